@@ -1,0 +1,2 @@
+//! Image metrics and difference maps on borrowed pixel views.
+#![forbid(unsafe_code)]

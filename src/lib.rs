@@ -1,0 +1,14 @@
+//! rastray: one scene, two renderers, every difference explained.
+//!
+//! A rasterizer that reproduces OpenGL fixed-function lighting and a Whitted ray tracer call *one* lighting equation on
+//! *one* scene, so whatever differs between their pictures has a cause with a name.
+#![deny(unsafe_code)]
+
+pub mod error;
+pub mod frame;
+pub mod gl;
+pub mod lanes;
+pub mod lighting;
+pub mod math;
+pub mod sampling;
+pub mod scene;

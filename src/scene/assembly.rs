@@ -1,0 +1,183 @@
+//! All objects as one list of triangles, in file order: what the rasterizer draws and `--geometry mesh` traces.
+//!
+//! A triangle's place in the list is its primitive number. World positions feed the BVH; eye-space positions and
+//! normals feed lighting in BOTH renderers, so that the two interpolate the same numbers. Points are transformed in f64
+//! (the eye subtracted before rotating) and rounded once to `R`.
+
+use std::sync::Arc;
+
+use super::shape::Mesh;
+use super::tessellate::{DEFAULT_LEVEL, tessellate};
+use super::{Geometry, Object, Scene};
+use crate::error::Error;
+use crate::lanes::Real;
+use crate::math::float::normalize;
+use crate::math::transform::{mirrors, normal_matrix, rescale_factor};
+use crate::math::{DAffine3, DMat3, DVec2, DVec3};
+
+/// The most triangles a render accepts.
+pub const MAX_TRIANGLES: usize = 1 << 28;
+
+/// The triangles of a scene, vertices in structure-of-arrays form.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Assembly<R> {
+    /// World positions of the vertices.
+    pub position_world: Vec<[R; 3]>,
+    /// Eye-space x, y, z of the vertices.
+    pub position_eye: [Vec<R>; 3],
+    /// Eye-space unit normals of the vertices (zero where the normal is zero or not finite).
+    pub normal_eye: [Vec<R>; 3],
+    /// Length that each normal enters per-vertex lighting with; empty = 1 for all (`normalize = true`).
+    pub normal_length: Vec<R>,
+    /// Texture coordinates (0 where a mesh has none).
+    pub texcoord: [Vec<R>; 2],
+    /// Vertex numbers of each triangle; the last is the provoking vertex.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`] of each triangle.
+    pub material: Vec<u32>,
+    /// Index into [`Scene::objects`] of each triangle.
+    pub object: Vec<u32>,
+    /// Per object: its exact shape is closed and convex or flat, so a facing flag of the shape's own orientation holds.
+    pub triangle_range: Vec<std::ops::Range<u32>>,
+}
+
+impl<R: Real> Assembly<R> {
+    /// Assembles the scene's triangles at a tessellation level (64 where `None`; objects may state their own).
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`].
+    pub fn new(scene: &Scene, level: Option<u32>) -> Result<Self, Error> {
+        let mut assembly = Self::default();
+        for (index, object) in scene.objects.iter().enumerate() {
+            let first = assembly.triangles.len() as u32;
+            let mesh = object_mesh(object, level);
+            if assembly.triangles.len() + mesh.triangles.len() > MAX_TRIANGLES {
+                return Err(Error::limit(format!(
+                    "object {}: the scene has more than {MAX_TRIANGLES} triangles",
+                    object.name
+                ))
+                .with_help("lower the tessellation"));
+            }
+            let keeps_outward = matches!(object.geometry, Geometry::Shape(_));
+            assembly.add(scene, object, index as u32, &mesh, keeps_outward);
+            assembly
+                .triangle_range
+                .push(first..assembly.triangles.len() as u32);
+        }
+        Ok(assembly)
+    }
+
+    /// Eye-space position of a vertex.
+    pub fn vertex_eye(&self, vertex: u32) -> [R; 3] {
+        let v = vertex as usize;
+        [
+            self.position_eye[0][v],
+            self.position_eye[1][v],
+            self.position_eye[2][v],
+        ]
+    }
+
+    /// Eye-space unit normal of a vertex.
+    pub fn vertex_normal(&self, vertex: u32) -> [R; 3] {
+        let v = vertex as usize;
+        [
+            self.normal_eye[0][v],
+            self.normal_eye[1][v],
+            self.normal_eye[2][v],
+        ]
+    }
+
+    fn add(&mut self, scene: &Scene, object: &Object, index: u32, mesh: &Mesh, outward: bool) {
+        let place = Placement::new(scene, &object.world_from_object);
+        let flip = outward && mirrors(&object.world_from_object);
+        let flat = mesh.normals.is_empty();
+        let base = self.position_world.len() as u32;
+        if !flat {
+            for (i, p) in mesh.positions.iter().enumerate() {
+                self.push_vertex(&place, *p, mesh.normals[i], mesh.texcoords.get(i));
+            }
+        }
+        for (i, triangle) in mesh.triangles.iter().enumerate() {
+            let corners = if flat {
+                let first = self.position_world.len() as u32;
+                let points = triangle.map(|v| mesh.positions[v as usize]);
+                let normal = (points[1] - points[0]).cross(points[2] - points[0]);
+                let normal = DVec3::from_array(normalize(normal.to_array()).0);
+                for (v, p) in triangle.iter().zip(points) {
+                    self.push_vertex(&place, p, normal, mesh.texcoords.get(*v as usize));
+                }
+                [first, first + 1, first + 2]
+            } else {
+                triangle.map(|v| base + v)
+            };
+            // A mirrored shape keeps its outward side: the first two corners change places, the provoking one stays.
+            let [a, b, c] = corners;
+            self.triangles.push(if flip { [b, a, c] } else { corners });
+            let slot = mesh.slot(i) % object.materials.len();
+            self.material.push(object.materials[slot] as u32);
+            self.object.push(index);
+        }
+    }
+
+    fn push_vertex(&mut self, place: &Placement, p: DVec3, n: DVec3, texcoord: Option<&DVec2>) {
+        let world = place.world_from_object.transform_point3(p);
+        let eye = place.rotation * (world - place.eye);
+        let raw = place.normal_eye_from_object * n;
+        let (unit, length) = normalize(raw.to_array());
+        self.position_world.push(world.to_array().map(R::from_f64));
+        for (axis, (x, n)) in eye.to_array().into_iter().zip(unit).enumerate() {
+            self.position_eye[axis].push(R::from_f64(x));
+            self.normal_eye[axis].push(R::from_f64(n));
+        }
+        if let Some(factor) = place.length_factor {
+            self.normal_length.push(R::from_f64(length * factor));
+        }
+        let texcoord = texcoord.copied().unwrap_or(DVec2::ZERO);
+        self.texcoord[0].push(R::from_f64(texcoord.x));
+        self.texcoord[1].push(R::from_f64(texcoord.y));
+    }
+}
+
+/// How one object's vertices reach world and eye space.
+struct Placement {
+    world_from_object: DAffine3,
+    eye: DVec3,
+    rotation: DMat3,
+    normal_eye_from_object: DMat3,
+    /// `None` = normals are normalised; else the factor of GL_RESCALE_NORMAL (1 where that is off).
+    length_factor: Option<f64>,
+}
+
+impl Placement {
+    fn new(scene: &Scene, world_from_object: &DAffine3) -> Self {
+        let rotation = scene.camera.eye_from_world_rotation();
+        let model = &scene.light_model;
+        let length_factor = (!model.normalize).then(|| {
+            let eye_from_object = rotation * world_from_object.matrix3;
+            if model.rescale_normal {
+                rescale_factor(&eye_from_object)
+            } else {
+                1.0
+            }
+        });
+        Self {
+            world_from_object: *world_from_object,
+            eye: scene.camera.eye,
+            rotation,
+            normal_eye_from_object: rotation * normal_matrix(world_from_object),
+            length_factor,
+        }
+    }
+}
+
+/// The object-space mesh of an object at a level.
+pub fn object_mesh(object: &Object, level: Option<u32>) -> Arc<Mesh> {
+    match &object.geometry {
+        Geometry::Mesh(mesh) => Arc::clone(mesh),
+        Geometry::Shape(shape) => {
+            let turn = object.tessellation.or(level).unwrap_or(DEFAULT_LEVEL);
+            let cells = object.tessellation.unwrap_or(1);
+            Arc::new(tessellate(shape, turn, cells))
+        }
+    }
+}

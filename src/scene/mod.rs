@@ -1,0 +1,310 @@
+//! The scene as plain data: what every importer ends in and both renderers start from.
+//!
+//! World space, f64, file order. No lighting arithmetic stands here. [`assembly`] turns the objects into the triangles
+//! that the rasterizer draws and `--geometry mesh` traces; [`requirements`] says which features the scene needs.
+
+pub mod assembly;
+pub mod camera;
+pub mod optics;
+pub mod requirements;
+pub mod shape;
+pub mod tessellate;
+
+use std::sync::Arc;
+
+pub use camera::{Camera, Projection};
+pub use optics::{Fresnel, Optics};
+pub use shape::{Mesh, Shape};
+
+use crate::gl;
+use crate::math::color::Rgb;
+use crate::math::{DAffine3, DMat3, DVec3, DVec4};
+use crate::sampling::Pattern;
+
+/// `[image]`: size, background, samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageSettings {
+    /// Width in pixels. Default 640.
+    pub width: u32,
+    /// Height in pixels. Default 480.
+    pub height: u32,
+    /// Colour where nothing is hit: neither lit nor shadowed. Default black.
+    pub background: Rgb,
+    /// Samples a pixel. Default 1.
+    pub samples: u32,
+    /// How they are spread. Default grid.
+    pub pattern: Pattern,
+}
+
+impl Default for ImageSettings {
+    fn default() -> Self {
+        let (background, pattern) = ([0.0; 3], Pattern::Grid);
+        Self {
+            width: 640,
+            height: 480,
+            background,
+            samples: 1,
+            pattern,
+        }
+    }
+}
+
+/// Which triangles the rasterizer drops by facing (GL_CULL_FACE).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cull {
+    /// None (GL's default).
+    #[default]
+    None,
+    /// Back faces.
+    Back,
+    /// Front faces.
+    Front,
+}
+
+/// Which winding in the window, y up, is the front (GL_FRONT_FACE).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrontFace {
+    /// Counter-clockwise (GL's default).
+    #[default]
+    Ccw,
+    /// Clockwise.
+    Cw,
+}
+
+/// The grid that vertices snap to before coverage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Snap {
+    /// 1/256 pixel (the default).
+    #[default]
+    Bits8,
+    /// 1/4096 pixel.
+    Bits12,
+}
+
+impl Snap {
+    /// Sub-pixel bits.
+    pub fn bits(self) -> u32 {
+        match self {
+            Self::Bits8 => 8,
+            Self::Bits12 => 12,
+        }
+    }
+}
+
+/// `[raster]`: how the rasterizer draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RasterSettings {
+    /// Shade model. Default Gouraud.
+    pub shading: gl::ShadeModel,
+    /// Culling; the tracer ignores it. Default none.
+    pub cull: Cull,
+    /// Front winding. Default counter-clockwise.
+    pub front_face: FrontFace,
+    /// GL depth range of near and far. Default 0, 1.
+    pub depth_range: [f64; 2],
+    /// Sub-pixel grid. Default 8 bits.
+    pub snap: Snap,
+}
+
+impl Default for RasterSettings {
+    fn default() -> Self {
+        Self {
+            shading: gl::ShadeModel::Gouraud,
+            cull: Cull::None,
+            front_face: FrontFace::Ccw,
+            depth_range: [0.0, 1.0],
+            snap: Snap::Bits8,
+        }
+    }
+}
+
+/// What blocks a shadow ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadow {
+    /// Any object strictly between hit and light: S_L is 0 or 1 (the default).
+    #[default]
+    Opaque,
+    /// Blockers multiply by their K_T, straight through.
+    Filtered,
+}
+
+/// What happens where total internal reflection leaves no transmitted ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tir {
+    /// I_T = 0, the lecture's form (the default).
+    #[default]
+    None,
+    /// The K_T weight is reflected.
+    Reflect,
+}
+
+/// `[trace]`: how the tracer recurses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceSettings {
+    /// Generations of secondary rays. Default 6.
+    pub depth: u32,
+    /// What blocks light. Default opaque.
+    pub shadow: Shadow,
+    /// Total internal reflection. Default none.
+    pub tir: Tir,
+    /// A branch whose weight is below this in every channel is dropped. Default 0.
+    pub weight_cutoff: f64,
+}
+
+impl Default for TraceSettings {
+    fn default() -> Self {
+        Self {
+            depth: 6,
+            shadow: Shadow::Opaque,
+            tir: Tir::None,
+            weight_cutoff: 0.0,
+        }
+    }
+}
+
+/// The space that a light's position and spot direction are given in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSpace {
+    /// World space (the default): the light stays where it is when the camera moves.
+    #[default]
+    World,
+    /// Eye space: the light moves with the camera.
+    Eye,
+}
+
+/// A named light source.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Its name in the file.
+    pub name: String,
+    /// The GL parameters, in `space`.
+    pub source: gl::LightSource,
+    /// The space of position and spot direction.
+    pub space: LightSpace,
+    /// A disabled light takes part in nothing.
+    pub enabled: bool,
+}
+
+/// A named material: GL's terms, and the optics that only the tracer reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the file.
+    pub name: String,
+    /// GL material of front faces.
+    pub front: gl::Material,
+    /// GL material of back faces under two-sided lighting; `None` = the front material.
+    pub back: Option<gl::Material>,
+    /// Mirror weight, K_T, index of refraction.
+    pub optics: Optics,
+}
+
+/// What an object is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// An exact shape: traced exactly, tessellated for the rasterizer.
+    Shape(Shape),
+    /// Triangles.
+    Mesh(Arc<Mesh>),
+}
+
+/// One thing in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Its name in the file.
+    pub name: String,
+    /// Its form, in object space.
+    pub geometry: Geometry,
+    /// Indices into [`Scene::materials`], at least one; meshes and tiled patches choose by slot.
+    pub materials: Vec<usize>,
+    /// Object to world.
+    pub world_from_object: DAffine3,
+    /// Slices of a full turn (N/2 stacks), or cells a side of a patch; `None` = the render's level.
+    pub tessellation: Option<u32>,
+}
+
+/// A complete scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// What to call it in reports: the file's stem.
+    pub name: String,
+    /// Size and samples.
+    pub image: ImageSettings,
+    /// The view.
+    pub camera: Camera,
+    /// The GL light model.
+    pub light_model: gl::LightModel,
+    /// Rasterizer settings.
+    pub raster: RasterSettings,
+    /// Tracer settings.
+    pub trace: TraceSettings,
+    /// Light sources in file order.
+    pub lights: Vec<Light>,
+    /// Materials in file order.
+    pub materials: Vec<Material>,
+    /// Objects in file order.
+    pub objects: Vec<Object>,
+}
+
+impl Scene {
+    /// The enabled lights in file order: the lights of the equation, and of the layers.
+    pub fn enabled_lights(&self) -> impl Iterator<Item = &Light> {
+        self.lights.iter().filter(|light| light.enabled)
+    }
+
+    /// Names of the enabled lights.
+    pub fn light_names(&self) -> Vec<String> {
+        self.enabled_lights()
+            .map(|light| light.name.clone())
+            .collect()
+    }
+
+    /// The enabled lights with position and spot direction in eye space (GL transforms the position by the whole
+    /// modelview, the direction by its upper-left 3x3: GL 2.1 section 2.14.1).
+    pub fn lights_eye(&self) -> Vec<gl::LightSource> {
+        let eye = self.camera.eye;
+        let rotation = self.camera.eye_from_world_rotation();
+        self.enabled_lights()
+            .map(|light| match light.space {
+                LightSpace::Eye => light.source.clone(),
+                LightSpace::World => to_eye(&light.source, eye, &rotation),
+            })
+            .collect()
+    }
+
+    /// Some colour of a light, a material or the light model is negative: sums run in f64, rounded once.
+    pub fn has_negative_colors(&self) -> bool {
+        let negative = |c: &Rgb| c.iter().any(|x| *x < 0.0);
+        let material = |m: &gl::Material| {
+            [&m.emission, &m.ambient, &m.diffuse, &m.specular]
+                .into_iter()
+                .any(negative)
+        };
+        negative(&self.light_model.ambient)
+            || negative(&self.image.background)
+            || self.lights.iter().any(|light| {
+                let s = &light.source;
+                [&s.ambient, &s.diffuse, &s.specular]
+                    .into_iter()
+                    .any(negative)
+                    || s.attenuation.iter().any(|k| *k < 0.0)
+            })
+            || self.materials.iter().any(|m| {
+                let optics = [&m.optics.reflection, &m.optics.transmission];
+                material(&m.front)
+                    || m.back.as_ref().is_some_and(material)
+                    || optics.into_iter().any(negative)
+            })
+    }
+}
+
+fn to_eye(source: &gl::LightSource, eye: DVec3, rotation: &DMat3) -> gl::LightSource {
+    let p = DVec4::from_array(source.position);
+    // The eye is subtracted before rotating: (xyz - w eye) keeps what two large numbers have in common.
+    let xyz = *rotation * (p.truncate() - p.w * eye);
+    let spot = *rotation * DVec3::from_array(source.spot_direction);
+    gl::LightSource {
+        position: [xyz.x, xyz.y, xyz.z, p.w],
+        spot_direction: spot.to_array(),
+        ..source.clone()
+    }
+}

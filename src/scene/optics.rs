@@ -1,0 +1,55 @@
+//! What only the tracer reads of a material.
+
+use crate::math::color::Rgb;
+
+/// How reflection and transmission share the light at a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fresnel {
+    /// Fixed weights, as in the lecture (the default).
+    #[default]
+    Off,
+    /// The dielectric equations, unpolarised: reflection += K_T F, transmission = K_T (1 - F).
+    Dielectric,
+    /// Schlick's approximation of the same.
+    Schlick,
+}
+
+/// Mirror weight, transmission and index of refraction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optics {
+    /// Weight of the mirror ray (K_S of the lecture's `K_S I_R`). Default 0.
+    pub reflection: Rgb,
+    /// K_T, the weight of the transmitted ray, once per interface. Default 0.
+    pub transmission: Rgb,
+    /// Index of refraction of the inside. Default 1.
+    pub ior: f64,
+    /// A thin surface: rays go straight on, no index involved. Default false.
+    pub thin: bool,
+    /// Whether Fresnel's equations share the weights. Default off.
+    pub fresnel: Fresnel,
+}
+
+impl Optics {
+    /// Casts mirror rays.
+    pub fn is_mirror(&self) -> bool {
+        self.reflection.iter().any(|x| *x != 0.0)
+    }
+
+    /// Casts transmitted rays.
+    pub fn is_transmissive(&self) -> bool {
+        self.transmission.iter().any(|x| *x != 0.0)
+    }
+}
+
+impl Default for Optics {
+    fn default() -> Self {
+        let fresnel = Fresnel::Off;
+        Self {
+            reflection: [0.0; 3],
+            transmission: [0.0; 3],
+            ior: 1.0,
+            thin: false,
+            fresnel,
+        }
+    }
+}

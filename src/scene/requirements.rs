@@ -1,0 +1,1 @@
+//! Which features of the model a scene needs, and why.

@@ -1,0 +1,79 @@
+//! What objects are made of: exact shapes and indexed meshes, in object space.
+
+use crate::math::{DVec2, DVec3};
+
+/// An exact shape. Outward is the front side, under any transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A sphere; the tessellation's poles lie on the y axis.
+    Sphere {
+        /// Centre.
+        center: DVec3,
+        /// Radius, > 0.
+        radius: f64,
+    },
+    /// A parallelogram, cut into `tiles` that take the object's materials in turn: tile (i, j) has slot (i + j) mod n.
+    /// The front side is that of `edge_u` x `edge_v`.
+    Patch {
+        /// A corner.
+        corner: DVec3,
+        /// The side that u runs along.
+        edge_u: DVec3,
+        /// The side that v runs along.
+        edge_v: DVec3,
+        /// Tiles along u and v, at least 1 each.
+        tiles: [u32; 2],
+    },
+    /// An axis-aligned box.
+    Box {
+        /// Lowest corner.
+        min: DVec3,
+        /// Highest corner.
+        max: DVec3,
+    },
+}
+
+/// An indexed triangle mesh. Counter-clockwise from outside = front; the provoking vertex is the last of a triangle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<DVec3>,
+    /// Vertex normals, any length, one a position; empty = every triangle is flat, with its geometric normal.
+    pub normals: Vec<DVec3>,
+    /// Texture coordinates, one a position; empty = none.
+    pub texcoords: Vec<DVec2>,
+    /// Triangles in file order.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material slot of each triangle; empty = slot 0 for all.
+    pub slots: Vec<u32>,
+}
+
+impl Mesh {
+    /// The material slot of a triangle.
+    pub fn slot(&self, triangle: usize) -> usize {
+        self.slots.get(triangle).map_or(0, |s| *s as usize)
+    }
+
+    /// Area-weighted vertex normals: the normalised sum of (b - a) x (c - a) over the incident triangles.
+    pub fn area_weighted_normals(&self) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for &[a, b, c] in &self.triangles {
+            let [pa, pb, pc] = [a, b, c].map(|i| self.positions[i as usize]);
+            let n = (pb - pa).cross(pc - pa);
+            for i in [a, b, c] {
+                normals[i as usize] += n;
+            }
+        }
+        normals
+            .into_iter()
+            .map(|n| DVec3::from_array(crate::math::float::normalize(n.to_array()).0))
+            .collect()
+    }
+}
+
+impl Shape {
+    /// Whether flat polygons are the exact shape (so tessellation changes nothing but the vertices).
+    pub fn is_flat(&self) -> bool {
+        !matches!(self, Self::Sphere { .. })
+    }
+}
