@@ -1,5 +1,7 @@
 //! Where the samples of a pixel lie: the same places in both renderers, on multiples of 1/256 pixel.
 
+use crate::lanes::Real;
+
 /// Sub-pixel steps a pixel.
 pub const SUBPIXEL: u32 = 256;
 
@@ -59,6 +61,11 @@ pub fn position(pattern: Pattern, samples: u32, x: u32, y: u32, index: u32) -> (
             )
         }
     }
+}
+
+/// The box filter: the mean of the samples' colours, summed in f64 in sample order and rounded once.
+pub fn resolve<R: Real>(sum: [f64; 3], samples: u32) -> [R; 3] {
+    sum.map(|x| R::from_f64(x / f64::from(samples)))
 }
 
 /// A 64-bit hash of pixel and sample index (the finaliser of SplitMix64, Steele et al. 2014).

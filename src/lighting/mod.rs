@@ -1,4 +1,8 @@
 //! THE lighting equation: one point in, terms out (GL 2.1 section 2.14.1 and the lecture's (V.R)^n).
+mod batch;
+
+pub use batch::{Batch, Batches, surface};
+
 use crate::gl;
 use crate::lanes::{Isa, Real};
 
@@ -93,6 +97,8 @@ pub enum Sink<'a, R> {
     Sum(&'a mut [Vec<R>; 3]),
     /// Every term: emission, scene ambient, then for each light ambient, diffuse, specular (as `frame::LayerIndex`).
     Record(&'a mut Vec<[Vec<R>; 3]>),
+    /// GL's primary and secondary colour, unclamped (secondary is 0 unless specular is separate).
+    Split(&'a mut [Vec<R>; 3], &'a mut [Vec<R>; 3]),
 }
 
 /// The equation at some points of one material, with visibility as an input. Output lists are resized to the points.
@@ -191,6 +197,7 @@ pub fn shade<R: Real>(
     }
     match sink {
         Sink::Record(out) => *out = terms,
+        Sink::Split(..) => unimplemented!(),
         Sink::Sum(out) => {
             for c in 0..3 {
                 out[c].clear();
