@@ -155,6 +155,20 @@ impl<R: Real> Layers<R> {
         }
     }
 
+    /// The layers as files hold them.
+    pub fn to_f32(&self) -> Layers<f32> {
+        let planes = self
+            .planes
+            .iter()
+            .map(|plane| plane.map(|c| c.map(Real::to_f32)))
+            .collect();
+        Layers {
+            names: self.names.clone(),
+            planes,
+            signed: self.signed,
+        }
+    }
+
     /// The sum of one pixel's layers in the stated order.
     pub fn sum(&self, pixel: usize) -> [R; 3] {
         let values = self.planes.iter().map(|plane| plane.data[pixel]);

@@ -23,7 +23,12 @@ fn folder() -> tempfile::TempDir {
 
 fn ok(folder: &Path, args: &[&str]) -> String {
     let output = rastray(folder, args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{args:?}: {}",
+        text(&output.stderr)
+    );
     text(&output.stdout)
 }
 
@@ -34,21 +39,31 @@ fn error(folder: &Path, args: &[&str]) -> String {
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
     assert!(!message.contains("panicked"), "{args:?}: {message}");
-    assert_eq!(std::fs::read_dir(folder).expect("readable").count(), before, "{args:?} left files");
+    assert_eq!(
+        std::fs::read_dir(folder).expect("readable").count(),
+        before,
+        "{args:?} left files"
+    );
     message
 }
 
 #[test]
 fn every_example_of_the_help_runs() {
     let folder = folder();
-    std::fs::write(folder.path().join("mine.toml"), ok(folder.path(), &["scenes", "whitted"]))
-        .expect("writable");
+    std::fs::write(
+        folder.path().join("mine.toml"),
+        ok(folder.path(), &["scenes", "whitted"]),
+    )
+    .expect("writable");
     let mut ran = 0;
     for command in ["", "render", "compare", "inspect", "scenes", "schema"] {
         let mut args: Vec<&str> = command.split_whitespace().collect();
         args.push("--help");
         let help = ok(folder.path(), &args);
-        for line in help.lines().filter_map(|line| line.trim().strip_prefix("rastray ")) {
+        for line in help
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("rastray "))
+        {
             // Comments follow two spaces; a redirection belongs to the shell.
             let line = line.split("   ").next().unwrap_or(line);
             let line = line.split(" > ").next().unwrap_or(line);
@@ -80,7 +95,12 @@ fn short_help_fits_one_screen() {
 #[test]
 fn compare_writes_every_file() {
     let folder = folder();
-    let json = ok(folder.path(), &["compare", "whitted", "--size", "96x72", "--json", "-o", "out"]);
+    let json = ok(
+        folder.path(),
+        &[
+            "compare", "whitted", "--size", "96x72", "--json", "-o", "out",
+        ],
+    );
     let out = folder.path().join("out");
     for file in [
         "raster.png",
@@ -96,18 +116,27 @@ fn compare_writes_every_file() {
     ] {
         assert!(out.join(file).exists(), "{file} is missing");
     }
-    assert_eq!(std::fs::read_dir(out.join("causes")).expect("a folder").count(), 9);
+    assert_eq!(
+        std::fs::read_dir(out.join("causes"))
+            .expect("a folder")
+            .count(),
+        9
+    );
     let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let stored = std::fs::read_to_string(out.join("summary.json")).expect("readable");
-    assert_eq!(summary, serde_json::from_str::<serde_json::Value>(&stored).expect("JSON"));
+    assert_eq!(
+        summary,
+        serde_json::from_str::<serde_json::Value>(&stored).expect("JSON")
+    );
     assert_eq!(summary["residual_max"], 0.0);
     assert_eq!(summary["causes"].as_array().expect("a list").len(), 9);
     for key in ["mse", "rmse", "mae", "max", "p50", "p95", "p99", "psnr"] {
         assert!(summary["metrics"][key].is_number(), "{key}");
     }
-    let leftovers = std::fs::read_dir(&out).expect("a folder").flatten().filter(|entry| {
-        entry.file_name().to_string_lossy().contains("tmp")
-    });
+    let leftovers = std::fs::read_dir(&out)
+        .expect("a folder")
+        .flatten()
+        .filter(|entry| entry.file_name().to_string_lossy().contains("tmp"));
     assert_eq!(leftovers.count(), 0, "temporary files are left");
 }
 
@@ -115,8 +144,9 @@ fn compare_writes_every_file() {
 fn pictures_are_the_same_bytes_for_any_thread_count() {
     let folder = folder();
     for (threads, name) in [("1", "a.png"), ("2", "b.png"), ("8", "c.png")] {
-        let args =
-            ["render", "whitted", "--mode", "trace", "--size", "80x60", "-j", threads, "-o", name];
+        let args = [
+            "render", "whitted", "--mode", "trace", "--size", "80x60", "-j", threads, "-o", name,
+        ];
         ok(folder.path(), &args);
     }
     let read = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
@@ -147,7 +177,10 @@ fn required_and_full_models_give_the_same_bytes() {
 #[test]
 fn picture_on_standard_output() {
     let folder = folder();
-    let output = rastray(folder.path(), &["render", "whitted", "--size", "32x24", "-o", "-"]);
+    let output = rastray(
+        folder.path(),
+        &["render", "whitted", "--size", "32x24", "-o", "-"],
+    );
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(&output.stdout[..8], b"\x89PNG\r\n\x1a\n");
 }
@@ -160,13 +193,19 @@ fn bad_flags_are_named() {
         (&["render", "whitted", "--size", "99999x99999"], "--size"),
         (&["render", "whitted", "--size", "banana"], "640x480"),
         (&["render", "whitted", "--samples", "0"], "--samples"),
-        (&["render", "whitted", "--tessellation", "2"], "--tessellation"),
+        (
+            &["render", "whitted", "--tessellation", "2"],
+            "--tessellation",
+        ),
         (&["render", "whitted", "--snap", "9"], "8 or 12"),
         (&["render", "whitted", "--isa", "mmx"], "--isa"),
         (&["render", "whitted", "-o", "picture.bmp"], ".png"),
         (&["render", "whitted", "-o", "picture"], ".png"),
         (&["render", "whitted", "--layers", "-o", "a.png"], ".exr"),
-        (&["render", "whitted", "-o", "no/such/folder/a.png"], "no/such/folder"),
+        (
+            &["render", "whitted", "-o", "no/such/folder/a.png"],
+            "no/such/folder",
+        ),
         (&["render", "wihtted"], "whitted"),
         (&["render", "missing.toml"], "missing.toml"),
         (&["render", "whitted", "--set", "trace.dpeth=1"], "depth"),
@@ -174,7 +213,10 @@ fn bad_flags_are_named() {
         (&["scenes", "wihtted"], "whitted"),
     ] {
         let message = error(folder.path(), args);
-        assert!(message.contains(wanted), "{args:?} should name {wanted}:\n{message}");
+        assert!(
+            message.contains(wanted),
+            "{args:?} should name {wanted}:\n{message}"
+        );
     }
 }
 
@@ -194,11 +236,24 @@ fn inspect_names_features_and_reasons() {
     let folder = folder();
     let json = ok(folder.path(), &["inspect", "whitted", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-    let features: Vec<&str> =
-        report["features"].as_array().expect("a list").iter().filter_map(|f| f.as_str()).collect();
-    for wanted in ["diffuse", "reflection_rays", "refraction_rays", "shadow_rays"] {
+    let features: Vec<&str> = report["features"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|f| f.as_str())
+        .collect();
+    for wanted in [
+        "diffuse",
+        "reflection_rays",
+        "refraction_rays",
+        "shadow_rays",
+    ] {
         assert!(features.contains(&wanted), "{wanted} in {features:?}");
-        assert!(report["why"][wanted].as_str().is_some_and(|why| !why.is_empty()));
+        assert!(
+            report["why"][wanted]
+                .as_str()
+                .is_some_and(|why| !why.is_empty())
+        );
     }
     assert!(ok(folder.path(), &["inspect", "whitted"]).contains("Requires"));
 }

@@ -4,6 +4,7 @@ use rastray::error::Error;
 use rastray::gl::ShadeModel;
 use rastray::lanes::Isa;
 use rastray::sampling::MAX_SAMPLES;
+use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::LEVELS;
 use rastray::scene::{Scene, Snap};
 
@@ -66,7 +67,7 @@ pub(crate) fn in_pool<T: Send>(
 pub(crate) struct Quality {
     pub(crate) level: Option<u32>,
     pub(crate) isa: Isa,
-    pub(crate) full_model: bool,
+    pub(crate) model: Model,
 }
 
 /// Writes the flags into the scene and returns the rest.
@@ -108,7 +109,11 @@ pub(crate) fn apply(args: &QualityArgs, scene: &mut Scene) -> Result<Quality, Er
         Some(name) => parse_isa(name)?,
         None => Isa::detect(),
     };
-    Ok(Quality { level: args.tessellation, isa, full_model: args.model == ModelArg::Full })
+    let model = match args.model {
+        ModelArg::Required => Model::Required,
+        ModelArg::Full => Model::Full,
+    };
+    Ok(Quality { level: args.tessellation, isa, model })
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), Error> {

@@ -31,6 +31,7 @@ use crate::lanes::{Isa, Real};
 use crate::math::color::quantize8;
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
+use crate::scene::requirements::Model;
 use crate::{raster, trace};
 
 /// Names of the causes in ladder order; cause i is the step from rung i to rung i + 1.
@@ -67,6 +68,8 @@ pub struct Options {
     pub level: Option<u32>,
     /// Instruction set of the lanes.
     pub isa: Isa,
+    /// Only what the scene requires, or everything: the same bytes.
+    pub model: Model,
     /// Whether the tracer casts shadow rays at all.
     pub shadows: bool,
     /// Whether it casts mirror rays.
@@ -183,7 +186,7 @@ impl Climb<'_> {
         &mut self,
         assembly: &Assembly<R>,
     ) -> Result<(Layers<f32>, Plane<[f32; 3]>, Frame<R>), Error> {
-        let plan = raster::Plan::new(self.scene, assembly);
+        let plan = raster::Plan::new(self.scene, assembly, self.options.model);
         let shading = self.scene.raster.shading;
         let options = |shading, clamp, layers| raster::Options {
             shading,
@@ -198,13 +201,13 @@ impl Climb<'_> {
         self.rungs.push(values(&unclamped.color));
         let per_fragment = self.draw_raster(&plan, "3", &options(ShadeModel::Phong, false, true))?;
         self.rungs.push(values(&per_fragment.color));
-        let layers = unclamped.layers.as_ref().map(layers_f32).unwrap_or_default();
+        let layers = unclamped.layers.as_ref().map(Layers::to_f32).unwrap_or_default();
         Ok((layers, unclamped.color_f32(), per_fragment))
     }
 
     /// Rung 4.
     fn cast_on_triangles<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Frame<R>, Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Mesh)?;
+        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Mesh, self.options.model)?;
         let cast = trace::Options::cast(self.options.isa);
         let frame = self.draw_trace(&plan, "4", &cast)?;
         self.rungs.push(values(&frame.color));
@@ -216,7 +219,7 @@ impl Climb<'_> {
         &mut self,
         assembly: &Assembly<R>,
     ) -> Result<(Layers<f32>, Layers<f32>, Plane<[f32; 3]>), Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Exact)?;
+        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Exact, self.options.model)?;
         let asked = self.options;
         let cast = trace::Options { layers: true, ..trace::Options::cast(asked.isa) };
         let local = self.draw_trace(&plan, "5", &cast)?;
@@ -236,7 +239,7 @@ impl Climb<'_> {
         let complete = self.draw_trace(&plan, "8, 9", &step(true, true, true))?;
         self.rungs.push(values(&complete.color));
         self.rungs.push(stored(&complete.color));
-        let layers = |frame: &Frame<R>| frame.layers.as_ref().map(layers_f32).unwrap_or_default();
+        let layers = |frame: &Frame<R>| frame.layers.as_ref().map(Layers::to_f32).unwrap_or_default();
         Ok((layers(&local), layers(&complete), complete.color_f32()))
     }
 
@@ -277,14 +280,6 @@ fn values<R: Real>(color: &Plane<[R; 3]>) -> Plane<[f64; 3]> {
 /// The values that an 8-bit file holds.
 fn stored<R: Real>(color: &Plane<[R; 3]>) -> Plane<[f64; 3]> {
     color.map(|c| c.map(|x| f64::from(quantize8(x)) / 255.0))
-}
-
-fn layers_f32<R: Real>(layers: &Layers<R>) -> Layers<f32> {
-    Layers {
-        names: layers.names.clone(),
-        planes: layers.planes.iter().map(|p| p.map(|c| c.map(Real::to_f32))).collect(),
-        signed: layers.signed,
-    }
 }
 
 /// 2^32: rungs hold multiples of its inverse.

@@ -91,6 +91,16 @@ pub enum Mode {
     Trace,
 }
 
+/// How much of the model a render evaluates; the bytes are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Model {
+    /// Only what the scene requires (the default).
+    #[default]
+    Required,
+    /// Everything, needed or not.
+    Full,
+}
+
 /// The features a scene needs, each with its first reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Requirements {
@@ -100,6 +110,14 @@ pub struct Requirements {
 }
 
 impl Requirements {
+    /// What a plan is built from: the scene's needs, or everything.
+    pub fn plan(scene: &Scene, mode: Mode, model: Model) -> Self {
+        match model {
+            Model::Required => Self::of(scene, mode),
+            Model::Full => Self::full(scene),
+        }
+    }
+
     /// What a scene needs in a renderer.
     pub fn of(scene: &Scene, mode: Mode) -> Self {
         let mut used = vec![false; scene.materials.len()];
