@@ -10,5 +10,6 @@ pub mod gl;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+pub mod raster;
 pub mod sampling;
 pub mod scene;
