@@ -10,6 +10,7 @@ pub mod gl;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+pub mod raster;
 pub mod report;
 pub mod sampling;
 pub mod scene;

@@ -1,0 +1,445 @@
+//! From visible samples to colours: gather what a tile sees, light it in batches, put the colours back.
+//!
+//! In: the visibility of a tile. Out: sums over samples, in f64, of colours and layers. Per-vertex shading (flat, Gouraud)
+//! lights each vertex that a tile sees once a tile; per-fragment shading lights each visible sample. Both go through
+//! [`Batches`], so the equation always meets many points of one material.
+//!
+//! GL's clamps stand where the GL has them (GL 2.1 sections 2.14.6 and 3.9): each lit point's colour (primary and secondary
+//! apart under separate specular), then the sum at the fragment.
+
+use super::attribute::{Weights, mix, mix3};
+use super::setup::{TILE, TileArea};
+use super::slots::SlotMap;
+use super::tile::{Samples, Visibility};
+use super::view::orientation;
+use super::{Counters, Options, Plan};
+use crate::frame::{LayerIndex, NONE, sum_in_order};
+use crate::gl::{ColorControl, Material, ShadeModel};
+use crate::lanes::Real;
+use crate::lighting::{Batch, Batches, Sink, shade, surface};
+use crate::math::color::clamp_rgb;
+use crate::math::float::normalize;
+
+/// What of the options and the scene decides how points are lit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mode {
+    shading: ShadeModel,
+    clamp: bool,
+    /// Primary and secondary colour are clamped apart.
+    split: bool,
+    /// How many layers the equation fills, where layers are asked for.
+    layers: Option<usize>,
+    signed: bool,
+}
+
+impl Mode {
+    /// The mode of a draw.
+    pub(super) fn new<R: Real>(plan: &Plan<'_, R>, options: &Options) -> Self {
+        let separate = plan.scene.light_model.color_control == ColorControl::SeparateSpecular;
+        let lights = plan.rig.light_count();
+        Self {
+            shading: options.shading,
+            clamp: options.clamp,
+            split: options.clamp && separate,
+            layers: options.layers.then(|| LayerIndex { lights }.local()),
+            signed: plan.scene.has_negative_colors(),
+        }
+    }
+
+    /// The unclamped picture is kept beside the clamped one, for the layers to add up to.
+    pub(super) fn keeps_plain(&self) -> bool {
+        self.clamp && self.layers.is_some()
+    }
+
+    /// How many layers the equation fills; 0 where none are asked for.
+    pub(super) fn layer_count(&self) -> usize {
+        self.layers.unwrap_or(0)
+    }
+
+    /// Whether sums run in f64.
+    pub(super) fn signed(&self) -> bool {
+        self.signed
+    }
+}
+
+/// Colours of lit points: vertices of a tile, or fragments.
+#[derive(Debug, Default)]
+struct Lit<R> {
+    /// The whole colour, or GL's primary colour where split; clamped if the mode says so.
+    color: Vec<[R; 3]>,
+    /// GL's secondary colour, clamped; empty where not split.
+    secondary: Vec<[R; 3]>,
+    /// The unclamped colour, where the mode keeps it.
+    plain: Vec<[R; 3]>,
+    /// Layer by layer; empty where none are asked for.
+    layers: Vec<Vec<[R; 3]>>,
+}
+
+/// A visible sample.
+#[derive(Clone, Copy, Debug)]
+struct Fragment {
+    /// Place in the tile, row-major with stride [`TILE`].
+    at: u16,
+    /// Numbers of its lit points: three vertices (Gouraud), or one point three times.
+    points: [u32; 3],
+    weights: [f64; 3],
+}
+
+/// Sums over the samples of a tile, row-major with stride [`TILE`].
+#[derive(Clone, Debug)]
+pub(super) struct Sums<R> {
+    /// Colour of the picture.
+    pub(super) color: Vec<[f64; 3]>,
+    /// Unclamped colour, where the mode keeps it; else empty.
+    pub(super) plain: Vec<[f64; 3]>,
+    /// The layers, where asked for.
+    pub(super) layers: Vec<Vec<[f64; 3]>>,
+    /// Distance along -z at the first sample.
+    pub(super) depth: Vec<R>,
+    /// Primitive at the first sample.
+    pub(super) primitive: Vec<u32>,
+}
+
+impl<R: Real> Sums<R> {
+    /// Nothing summed yet.
+    pub(super) fn new(mode: &Mode) -> Self {
+        let zero = || vec![[0.0; 3]; TILE * TILE];
+        Self {
+            color: zero(),
+            plain: if mode.keeps_plain() {
+                zero()
+            } else {
+                Vec::new()
+            },
+            layers: (0..mode.layer_count()).map(|_| zero()).collect(),
+            depth: vec![R::INFINITY; TILE * TILE],
+            primitive: vec![NONE; TILE * TILE],
+        }
+    }
+}
+
+/// The triangle that the last sample showed.
+struct Current {
+    primitive: u32,
+    weights: Weights,
+    corners: [u32; 3],
+    surface: usize,
+    points: [u32; 3],
+}
+
+/// Memory of one worker, reused from tile to tile.
+pub(super) struct Workspace<R> {
+    /// What the tile sees.
+    pub(super) visibility: Visibility,
+    fragments: Vec<Fragment>,
+    slots: SlotMap,
+    lit: Lit<R>,
+    batches: Batches<R>,
+    sums: [[Vec<R>; 3]; 2],
+    terms: Vec<[Vec<R>; 3]>,
+}
+
+impl<R: Real> Workspace<R> {
+    /// Empty, for a scene with this many materials.
+    pub(super) fn new(materials: usize) -> Self {
+        Self {
+            visibility: Visibility::new(),
+            fragments: Vec::new(),
+            slots: SlotMap::new(),
+            lit: Lit::default(),
+            batches: Batches::new(materials),
+            sums: Default::default(),
+            terms: Vec::new(),
+        }
+    }
+
+    /// Forgets the vertices lit for the last tile.
+    pub(super) fn start_tile(&mut self) {
+        self.slots.clear();
+    }
+
+    /// Shades what the visibility buffer shows of one sample a pixel and adds it to the sums.
+    pub(super) fn sample(
+        &mut self,
+        plan: &Plan<'_, R>,
+        mode: &Mode,
+        options: &Options,
+        area: &TileArea,
+        samples: &Samples<'_>,
+        first: bool,
+        sums: &mut Sums<R>,
+        counters: &mut Counters,
+    ) {
+        self.gather(plan, mode, area, samples);
+        self.light(plan, mode, options, counters);
+        if first {
+            self.keep_depth(plan, sums);
+        }
+        self.add_background(plan, mode, area, sums);
+        self.add_colors(mode, sums);
+    }
+
+    /// Lists the visible samples, and the points to be lit for them.
+    fn gather(&mut self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, samples: &Samples<'_>) {
+        self.fragments.clear();
+        let mut current: Option<Current> = None;
+        for y in 0..area.size[1] {
+            for x in 0..area.size[0] {
+                let at = y * TILE + x;
+                let primitive = self.visibility.primitive[at];
+                if primitive == NONE {
+                    continue;
+                }
+                let seen = match current.take() {
+                    Some(seen) if seen.primitive == primitive => seen,
+                    _ => self.meet(plan, mode, primitive),
+                };
+                let weights = seen.weights.at(samples.ray(x, y));
+                let mut points = seen.points;
+                if mode.shading == ShadeModel::Phong {
+                    let tag = self.fragments.len() as u32;
+                    self.push_fragment(plan, &seen, weights, tag);
+                    points = [tag; 3];
+                }
+                self.fragments.push(Fragment {
+                    at: at as u16,
+                    points,
+                    weights,
+                });
+                current = Some(seen);
+            }
+        }
+    }
+
+    /// Prepares a triangle that comes into sight, and its vertices where shading is per vertex.
+    fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
+        let corners = plan.assembly.triangles[primitive as usize];
+        let homogeneous = plan.corners(primitive).map(|v| v.homogeneous());
+        // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
+        let back = plan.scene.light_model.two_sided
+            && orientation(homogeneous) * plan.view.front_sign <= 0;
+        let material = plan.assembly.material[primitive as usize] as usize;
+        let surface = surface(material, back);
+        let points = match mode.shading {
+            ShadeModel::Phong => [0; 3],
+            // The provoking vertex is the last (GL 2.1 section 2.14.7).
+            ShadeModel::Flat => [self.push_vertex(plan, corners[2], surface); 3],
+            ShadeModel::Gouraud => corners.map(|v| self.push_vertex(plan, v, surface)),
+        };
+        Current {
+            primitive,
+            weights: Weights::new(homogeneous),
+            corners,
+            surface,
+            points,
+        }
+    }
+
+    /// The number of a lit vertex; it joins the batches when first met.
+    fn push_vertex(&mut self, plan: &Plan<'_, R>, vertex: u32, surface: usize) -> u32 {
+        let (slot, new) = self.slots.number(vertex, surface as u32);
+        if new {
+            let position = plan.assembly.vertex_eye(vertex);
+            let normal = turned(plan.assembly.vertex_normal(vertex), surface);
+            let viewer = plan.to_viewer(position);
+            self.batches.push(surface, slot, position, normal, viewer);
+            if let Some(length) = plan.assembly.normal_length.get(vertex as usize) {
+                let points = &mut self.batches.batch(surface).points;
+                points.normal_length.push(*length);
+            }
+        }
+        slot
+    }
+
+    /// Puts an interpolated place into the batches; its normal is renormalised.
+    fn push_fragment(&mut self, plan: &Plan<'_, R>, seen: &Current, weights: [f64; 3], tag: u32) {
+        let position = mix3(weights, seen.corners.map(|v| plan.assembly.vertex_eye(v)));
+        let normals = seen.corners.map(|v| plan.assembly.vertex_normal(v));
+        let raw = [0, 1, 2].map(|k| mix(weights, normals.map(|n| n[k])));
+        let normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+        let viewer = plan.to_viewer(position);
+        self.batches
+            .push(seen.surface, tag, position, normal, viewer);
+    }
+
+    /// Evaluates the equation for all batches.
+    fn light(
+        &mut self,
+        plan: &Plan<'_, R>,
+        mode: &Mode,
+        options: &Options,
+        counters: &mut Counters,
+    ) {
+        let per_vertex = mode.shading != ShadeModel::Phong;
+        let count = if per_vertex {
+            self.slots.len()
+        } else {
+            self.fragments.len()
+        };
+        let lit = &mut self.lit;
+        lit.color.resize(count, [R::ZERO; 3]);
+        if mode.split {
+            lit.secondary.resize(count, [R::ZERO; 3]);
+        }
+        if mode.keeps_plain() {
+            lit.plain.resize(count, [R::ZERO; 3]);
+        }
+        lit.layers.resize_with(mode.layer_count(), Vec::new);
+        for layer in &mut lit.layers {
+            layer.resize(count, [R::ZERO; 3]);
+        }
+        for batch in self.batches.iter() {
+            let lighter = Lighter {
+                plan,
+                mode,
+                options,
+                batch,
+            };
+            lighter.run(&mut self.lit, &mut self.sums, &mut self.terms);
+            let points = batch.points.len() as u64;
+            counters.points_shaded += points;
+            if per_vertex {
+                counters.vertices_shaded += points;
+            }
+        }
+        self.batches.clear();
+    }
+
+    fn keep_depth(&self, plan: &Plan<'_, R>, sums: &mut Sums<R>) {
+        sums.primitive.copy_from_slice(&self.visibility.primitive);
+        for fragment in &self.fragments {
+            let at = usize::from(fragment.at);
+            let primitive = self.visibility.primitive[at] as usize;
+            let z = plan.assembly.triangles[primitive].map(|v| plan.assembly.vertex_eye(v)[2]);
+            sums.depth[at] = R::from_f64(-mix(fragment.weights, z));
+        }
+    }
+
+    fn add_background(&self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, sums: &mut Sums<R>) {
+        let background = plan.scene.image.background.map(R::from_f64);
+        let shown = if mode.clamp {
+            clamp_rgb(background)
+        } else {
+            background
+        };
+        for y in 0..area.size[1] {
+            for at in y * TILE..y * TILE + area.size[0] {
+                if self.visibility.primitive[at] != NONE {
+                    continue;
+                }
+                add(&mut sums.color[at], shown);
+                if mode.keeps_plain() {
+                    add(&mut sums.plain[at], background);
+                }
+                if let Some(emission) = sums.layers.get_mut(LayerIndex::EMISSION) {
+                    add(&mut emission[at], background);
+                }
+            }
+        }
+    }
+
+    fn add_colors(&self, mode: &Mode, sums: &mut Sums<R>) {
+        let lit = &self.lit;
+        for fragment in &self.fragments {
+            let at = usize::from(fragment.at);
+            let pick = |values: &[[R; 3]]| fragment.pick(mode.shading, values);
+            let mut color = pick(&lit.color);
+            if mode.split {
+                let secondary = pick(&lit.secondary);
+                color = [0, 1, 2].map(|k| color[k] + secondary[k]);
+            }
+            if mode.clamp {
+                color = clamp_rgb(color);
+            }
+            add(&mut sums.color[at], color);
+            if mode.keeps_plain() {
+                add(&mut sums.plain[at], pick(&lit.plain));
+            }
+            for (sum, layer) in sums.layers.iter_mut().zip(&lit.layers) {
+                add(&mut sum[at], pick(layer));
+            }
+        }
+    }
+}
+
+impl Fragment {
+    /// The fragment's value of what its points have.
+    fn pick<R: Real>(&self, shading: ShadeModel, values: &[[R; 3]]) -> [R; 3] {
+        let [a, b, c] = self.points.map(|p| p as usize);
+        match shading {
+            ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
+            ShadeModel::Flat | ShadeModel::Phong => values[a],
+        }
+    }
+}
+
+/// One batch on its way through the equation.
+struct Lighter<'a, 's, R> {
+    plan: &'a Plan<'s, R>,
+    mode: &'a Mode,
+    options: &'a Options,
+    batch: &'a Batch<R>,
+}
+
+impl<R: Real> Lighter<'_, '_, R> {
+    fn run(&self, lit: &mut Lit<R>, sums: &mut [[Vec<R>; 3]; 2], terms: &mut Vec<[Vec<R>; 3]>) {
+        let mode = self.mode;
+        let [primary, secondary] = sums;
+        if mode.layers.is_some() {
+            self.shade(Sink::Record(terms));
+            for (i, tag) in self.batch.tags.iter().enumerate() {
+                let tag = *tag as usize;
+                let term = |t: &[Vec<R>; 3]| [t[0][i], t[1][i], t[2][i]];
+                let sum = sum_in_order(terms.iter().map(term), mode.signed);
+                for (layer, t) in lit.layers.iter_mut().zip(terms.iter()) {
+                    layer[tag] = term(t);
+                }
+                if mode.clamp {
+                    lit.plain[tag] = sum;
+                }
+                lit.color[tag] = if mode.clamp { clamp_rgb(sum) } else { sum };
+            }
+        }
+        if mode.split {
+            self.shade(Sink::Split(primary, secondary));
+            for (i, tag) in self.batch.tags.iter().enumerate() {
+                lit.color[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| primary[k][i]));
+                lit.secondary[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| secondary[k][i]));
+            }
+        } else if mode.layers.is_none() {
+            self.shade(Sink::Sum(primary));
+            for (i, tag) in self.batch.tags.iter().enumerate() {
+                let sum = [0, 1, 2].map(|k| primary[k][i]);
+                lit.color[*tag as usize] = if mode.clamp { clamp_rgb(sum) } else { sum };
+            }
+        }
+    }
+
+    fn shade(&self, sink: Sink<'_, R>) {
+        let material: &Material = self.plan.material(self.batch.surface);
+        shade(
+            self.options.isa,
+            &self.plan.rig,
+            material,
+            &self.batch.points,
+            None,
+            self.mode.signed,
+            sink,
+        );
+    }
+}
+
+/// The normal of the side that a surface number names: back surfaces turn it round.
+fn turned<R: Real>(normal: [R; 3], surface: usize) -> [R; 3] {
+    if surface % 2 == 1 {
+        normal.map(|x| -x)
+    } else {
+        normal
+    }
+}
+
+fn add<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
+    for (s, x) in sum.iter_mut().zip(value) {
+        *s += x.to_f64();
+    }
+}
