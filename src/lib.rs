@@ -12,3 +12,4 @@ pub mod lighting;
 pub mod math;
 pub mod sampling;
 pub mod scene;
+pub mod trace;
