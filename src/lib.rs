@@ -7,6 +7,7 @@
 pub mod error;
 pub mod frame;
 pub mod gl;
+pub mod import;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
