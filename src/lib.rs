@@ -8,6 +8,7 @@ pub mod decompose;
 pub mod error;
 pub mod frame;
 pub mod gl;
+pub mod import;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
