@@ -7,6 +7,7 @@ use super::setup::{Builder, SampleBox, TILE, TileGrid};
 use super::tile::{Samples, Visibility};
 use super::view::{Vertex, View};
 use crate::frame::NONE;
+use crate::sampling::SUBPIXEL;
 use crate::scene::{Cull, Snap};
 
 /// Covered pixels of one row: from `x0` to `x1`, both included.
@@ -77,7 +78,7 @@ fn covered(view: &View, corners: [Vertex; 3], origin: [i64; 2], size: [u32; 2]) 
         size: size.map(|n| n as usize),
         origin,
     };
-    let center = [view.unit() / 2; 2];
+    let center = [i64::from(SUBPIXEL) / 2; 2];
     let samples = SampleBox {
         min: center,
         max: center,

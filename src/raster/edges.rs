@@ -4,8 +4,15 @@
 //! edge belongs to the triangle for which it is a left edge or a horizontal top edge, so that triangles sharing an edge
 //! own each sample once (GL 2.1 section 3.5.1 leaves the rule open; Direct3D 11.3 section 3.4 has this one).
 //!
-//! Vertices within +-2^29 units (2 million px at 8 bits) take 64-bit products; the guard band of 2^44 units takes 128-bit
-//! products once a tile, cut to +-2^61: over a tile a function changes by less than 2^60, so its signs survive the cut.
+//! Samples lie on multiples of 1/256 px, so a function is divided by what the snap has more of, rounded down, and keeps
+//! its sign at every sample. Vertices within +-2^29 units (2 million px at 8 bits) take 64-bit products; the guard band of
+//! 2^44 units takes 128-bit products once a tile, cut to +-2^61: over a tile a function changes by less than 2^60, so its
+//! signs survive the cut.
+
+use crate::sampling::SUBPIXEL;
+
+/// Sub-pixel bits of sample places.
+pub(super) const SAMPLE_BITS: u32 = SUBPIXEL.ilog2();
 
 /// Largest absolute coordinate whose edge functions fit 64 bits.
 pub(super) const SMALL_UNITS: i64 = 1 << 29;
@@ -16,20 +23,22 @@ pub(super) fn double_area(v: [[i64; 2]; 3]) -> i128 {
     d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
 }
 
-/// Three edge functions e + a dx + b dy, dx and dy in units from some place; inside = none negative.
+/// Three edge functions e + a dx + b dy, dx and dy in 1/256 px from some place; inside = none negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Edges {
     /// Value at the place, the rule for samples on the edge folded in.
     pub(super) e: [i64; 3],
-    /// Change a unit rightwards.
+    /// Change for 1/256 px rightwards.
     pub(super) a: [i64; 3],
-    /// Change a unit downwards.
+    /// Change for 1/256 px downwards.
     pub(super) b: [i64; 3],
 }
 
 impl Edges {
-    /// The edge functions of a triangle of positive area, anchored at a place in units.
-    pub(super) fn new(v: [[i64; 2]; 3], place: [i64; 2]) -> Self {
+    /// The edge functions of a triangle of positive area with this many sub-pixel bits, at a place in 1/256 px.
+    pub(super) fn new(v: [[i64; 2]; 3], bits: u32, place: [i64; 2]) -> Self {
+        let finer = bits - SAMPLE_BITS;
+        let place = place.map(|c| c << finer);
         let small = |p: &[i64; 2]| p[0].abs() <= SMALL_UNITS && p[1].abs() <= SMALL_UNITS;
         let fits = v.iter().all(small) && small(&place);
         let mut edges = Self {
@@ -47,17 +56,17 @@ impl Edges {
             edges.a[i] = -dy;
             edges.b[i] = dx;
             edges.e[i] = if fits {
-                dx * py - dy * px + bias
+                (dx * py - dy * px + bias) >> finer
             } else {
                 let wide = |x: i64| i128::from(x);
                 let exact = wide(dx) * wide(py) - wide(dy) * wide(px) + wide(bias);
-                exact.clamp(-(1 << 61), 1 << 61) as i64
+                (exact >> finer).clamp(-(1 << 61), 1 << 61) as i64
             };
         }
         edges
     }
 
-    /// No sample of the rectangle from the place to `extent` units right and down can be inside.
+    /// No sample of the rectangle from the place to `extent` (1/256 px) right and down can be inside.
     pub(super) fn misses(&self, extent: [i64; 2]) -> bool {
         (0..3).any(|i| self.e[i] + self.a[i].max(0) * extent[0] + self.b[i].max(0) * extent[1] < 0)
     }

@@ -242,19 +242,18 @@ impl<'a, R: Real> Plan<'a, R> {
             .collect()
     }
 
-    /// The place of a sample in its pixel, in snapped units.
+    /// The place of a sample in its pixel, in 1/256 px.
     fn sample_offset(&self, x: u32, y: u32, sample: u32) -> [i64; 2] {
         let image = &self.scene.image;
         let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, sample);
-        let step = self.view.unit() / i64::from(sampling::SUBPIXEL);
-        [i64::from(sx) * step, i64::from(sy) * step]
+        [i64::from(sx), i64::from(sy)]
     }
 
     fn sample_box(&self) -> SampleBox {
         match self.scene.image.pattern {
             Pattern::Jitter => SampleBox {
                 min: [0; 2],
-                max: [self.view.unit() - 1; 2],
+                max: [i64::from(sampling::SUBPIXEL) - 1; 2],
             },
             Pattern::Grid => {
                 let first = self.sample_offset(0, 0, 0);
@@ -330,7 +329,7 @@ impl RayTables {
             };
         }
         let (columns, rows) = sampling::grid_shape(image.samples);
-        let unit = plan.view.unit() as f64;
+        let unit = f64::from(sampling::SUBPIXEL);
         let place = |sample: u32| plan.sample_offset(0, 0, sample).map(|o| o as f64 / unit);
         Self {
             columns: (0..columns)
@@ -466,7 +465,7 @@ impl<R: Real> Drawer<'_, '_, R> {
                 y: &y[top..top + height],
             };
         }
-        let unit = plan.view.unit() as f64;
+        let unit = f64::from(sampling::SUBPIXEL);
         places.offset.resize(TILE * TILE, [0; 2]);
         places.ray.resize(TILE * TILE, [0.0; 2]);
         for row in 0..height {

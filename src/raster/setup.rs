@@ -10,7 +10,7 @@
 
 use super::Counters;
 use super::clip::{Polygon, clip};
-use super::edges::{Edges, SMALL_UNITS, double_area};
+use super::edges::{Edges, SAMPLE_BITS, SMALL_UNITS, double_area};
 use super::view::{Vertex, View, orientation};
 use crate::scene::Cull;
 
@@ -65,7 +65,7 @@ pub(super) struct TileArea {
     pub(super) size: [usize; 2],
 }
 
-/// Where samples lie within any pixel, in snapped units: the box around them all.
+/// Where samples lie within any pixel, in 1/256 px: the box around them all.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SampleBox {
     /// Least offset in x and y.
@@ -345,21 +345,21 @@ impl<'a> Builder<'a> {
     /// Whether some sample of a tile may be inside all edges of a triangle.
     fn meets(&self, v: [[i64; 2]; 3], tile: usize) -> bool {
         let area = self.grid.tile(tile);
-        let unit = self.view.unit();
-        let place = [0, 1].map(|axis| area.place[axis] * unit + self.samples.min[axis]);
-        let extent = [0, 1].map(|axis| {
-            (area.size[axis] as i64 - 1) * unit + self.samples.max[axis] - self.samples.min[axis]
-        });
-        !Edges::new(v, place).misses(extent)
+        let SampleBox { min, max } = self.samples;
+        let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
+        let extent = [0, 1]
+            .map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
+        !Edges::new(v, self.view.bits, place).misses(extent)
     }
 }
 
 /// First and last pixel of one axis that have a sample between the least and the greatest of three places in units, for
-/// samples that lie between `offsets` in their pixel.
+/// samples that lie between `offsets` (1/256 px) in their pixel.
 pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2] {
     let least = places[0].min(places[1]).min(places[2]);
     let most = places[0].max(places[1]).max(places[2]);
-    [-((offsets[1] - least) >> bits), (most - offsets[0]) >> bits]
+    let [low, high] = offsets.map(|o| o << (bits - SAMPLE_BITS));
+    [-((high - least) >> bits), (most - low) >> bits]
 }
 
 /// k0, kx, ky with key = k0 + kx X + ky Y on the triangle's plane. May be infinite or NaN for planes that are all but

@@ -2,11 +2,11 @@
 //!
 //! In: records in primitive order, the sample of each pixel. Out: primitive number and depth key of each pixel's sample.
 //! Nothing is shaded here, so that each visible sample is shaded once. A nearer key wins, equal keys leave the lower
-//! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by the snap, rounded
-//! down: exact, since a pixel's step is a multiple of it), else in 64. Jittered samples always take 64 bits.
+//! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by 256, rounded
+//! down: exact, since samples are whole pixels apart), else in 64. Jittered samples always take 64 bits.
 
 use super::Counters;
-use super::edges::Edges;
+use super::edges::{Edges, SAMPLE_BITS};
 use super::setup::{Record, TILE, TileArea, pixels};
 use crate::frame::NONE;
 
@@ -14,7 +14,7 @@ use crate::frame::NONE;
 pub(super) enum Samples<'a> {
     /// The same place in every pixel.
     Shared {
-        /// From the pixel's corner, in units.
+        /// From the pixel's corner, in 1/256 px.
         offset: [i64; 2],
         /// Ray X of each column of the tile.
         x: &'a [f64],
@@ -23,7 +23,7 @@ pub(super) enum Samples<'a> {
     },
     /// A place of its own in each pixel, row-major with stride [`TILE`].
     Each {
-        /// From the pixel's corner, in units.
+        /// From the pixel's corner, in 1/256 px.
         offset: &'a [[i64; 2]],
         /// Ray (X, Y).
         ray: &'a [[f64; 2]],
@@ -75,7 +75,7 @@ impl Visibility {
     ) {
         let offsets = match samples {
             Samples::Shared { offset, .. } => [*offset, *offset],
-            Samples::Each { .. } => [[0; 2], [(1 << bits) - 1; 2]],
+            Samples::Each { .. } => [[0; 2], [(1 << SAMPLE_BITS) - 1; 2]],
         };
         // The pixels of the tile whose sample may lie in the box around the triangle.
         let mut first = [0usize; 2];
@@ -92,11 +92,13 @@ impl Visibility {
             count[axis] = (most - least + 1) as usize;
         }
         // Edge functions at the first of them.
-        let place =
-            [0, 1].map(|axis| ((area.place[axis] + first[axis] as i64) << bits) + offsets[0][axis]);
-        let extent = [0, 1]
-            .map(|axis| ((count[axis] as i64 - 1) << bits) + offsets[1][axis] - offsets[0][axis]);
-        let mut edges = Edges::new(v, place);
+        let place = [0, 1].map(|axis| {
+            ((area.place[axis] + first[axis] as i64) << SAMPLE_BITS) + offsets[0][axis]
+        });
+        let extent = [0, 1].map(|axis| {
+            ((count[axis] as i64 - 1) << SAMPLE_BITS) + offsets[1][axis] - offsets[0][axis]
+        });
+        let mut edges = Edges::new(v, bits, place);
         if edges.misses(extent) {
             return;
         }
@@ -109,7 +111,7 @@ impl Visibility {
         let window = Window { first, count };
         match samples {
             Samples::Shared { x, y, .. } => {
-                edges.e = edges.e.map(|e| e >> bits);
+                edges.e = edges.e.map(|e| e >> SAMPLE_BITS);
                 let small = |i: usize| edges.a[i].abs() + edges.b[i].abs() < 1 << 24;
                 if (0..3).all(small) {
                     let narrow = |values: [i64; 3]| values.map(|x| x as i32);
@@ -121,7 +123,7 @@ impl Visibility {
                 }
             }
             Samples::Each { offset, ray } => {
-                self.scattered(&window, &edges, bits, record, offset, ray, counters);
+                self.scattered(&window, &edges, record, offset, ray, counters);
             }
         }
     }
@@ -180,7 +182,6 @@ impl Visibility {
         &mut self,
         window: &Window,
         edges: &Edges,
-        bits: u32,
         record: &Record,
         offset: &[[i64; 2]],
         ray: &[[f64; 2]],
@@ -192,8 +193,8 @@ impl Visibility {
         for row in 0..height {
             for column in 0..width {
                 let at = (top + row) * TILE + left + column;
-                let dx = ((column as i64) << bits) + offset[at][0];
-                let dy = ((row as i64) << bits) + offset[at][1];
+                let dx = ((column as i64) << SAMPLE_BITS) + offset[at][0];
+                let dy = ((row as i64) << SAMPLE_BITS) + offset[at][1];
                 let e = |i: usize| edges.e[i] + edges.a[i] * dx + edges.b[i] * dy;
                 if (e(0) | e(1) | e(2)) < 0 {
                     continue;
