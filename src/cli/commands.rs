@@ -63,9 +63,6 @@ pub(crate) fn schema() -> Result<(), Error> {
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
     let imported = load(&args.scene, Verbosity::Quiet)?;
-    if args.strict_gl {
-        import::refuse_beyond_gl(&imported)?;
-    }
     let scene = &imported.scene;
     let triangles = Assembly::<f32>::new(scene, None)?.triangles.len();
     let needs = Requirements::of(scene, Mode::Trace);

@@ -160,7 +160,17 @@ impl Folder<'_> {
             .map(|plane| Picture::from_linear(plane, self.view))
             .collect::<Result<Vec<_>, _>>()?;
         let steps: Vec<(Term, &Picture)> = Term::ALL.into_iter().zip(&pictures).collect();
-        figures::buildup(&steps, Form::from(self.imported.scene.light_model.specular_model))
+        figures::buildup(&steps, self.form())
+    }
+
+    /// How this scene writes the equation: its specular form, and whether every mirror weight is K_S.
+    fn form(&self) -> Form {
+        let scene = &self.imported.scene;
+        let mut mirrors = scene.materials.iter().filter(|m| m.optics.is_mirror());
+        Form {
+            specular: scene.light_model.specular_model,
+            mirror_is_specular: mirrors.all(|m| m.optics.reflection == m.front.specular),
+        }
     }
 
     /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.

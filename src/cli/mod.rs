@@ -284,9 +284,6 @@ struct CompareArgs {
 struct InspectArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Turn notes about values that GL would refuse into errors
-    #[arg(long)]
-    strict_gl: bool,
     /// Print the report as JSON
     #[arg(long)]
     json: bool,

@@ -2,6 +2,7 @@
 
 use rastray::error::Error;
 use rastray::gl::ShadeModel;
+use rastray::import::{MAX_PIXELS, MAX_SIDE};
 use rastray::lanes::Isa;
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::requirements::Model;
@@ -117,7 +118,6 @@ pub(crate) fn apply(args: &QualityArgs, scene: &mut Scene) -> Result<Quality, Er
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), Error> {
-    use rastray::import::{MAX_PIXELS, MAX_SIDE};
     let wrong = || {
         let message = format!("{text}: expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}");
         Error::parameter("--size", message).with_help("for example --size 640x480")

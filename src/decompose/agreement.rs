@@ -15,10 +15,11 @@ use crate::math::DVec2;
 use crate::math::float::{dot, normalize};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
+use crate::scene::requirements::Model;
 use crate::{raster, trace};
 
 /// Distance from an edge, in pixels, within which the snapped vertices may decide otherwise.
-pub const EDGE_PX: f64 = 1.0 / 256.0;
+const EDGE_PX: f64 = 1.0 / 256.0;
 /// Relative distance of two depths below which they are a tie (2^-22).
 const TIE: f64 = 1.0 / 4_194_304.0;
 /// Distance of a cosine from its boundary below which the two sides are both right (2^-18).
@@ -65,8 +66,8 @@ pub(super) fn measure<R: Real>(
     let isa = options.isa;
     let raster_options =
         raster::Options { shading: ShadeModel::Phong, clamp: false, layers: true, isa };
-    let (per_fragment, _) = raster::Plan::new(&single, assembly).draw(&raster_options)?;
-    let plan = trace::Plan::new(&single, assembly, trace::Geometry::Mesh)?;
+    let (per_fragment, _) = raster::Plan::new(&single, assembly, options.model).draw(&raster_options)?;
+    let plan = trace::Plan::new(&single, assembly, trace::Geometry::Mesh, options.model)?;
     let (cast, _) = plan.draw(&trace::Options::cast(isa))?;
     Ok(compare(&single, assembly, &per_fragment, &cast))
 }
@@ -77,7 +78,7 @@ fn compare<R: Real>(
     per_fragment: &Frame<R>,
     cast: &Frame<R>,
 ) -> Agreement {
-    let plan = raster::Plan::new(scene, assembly);
+    let plan = raster::Plan::new(scene, assembly, Model::Required);
     let raster_edge = plan.near_edge(&per_fragment.primitive, EDGE_PX);
     let cast_edge = plan.near_edge(&cast.primitive, EDGE_PX);
     let probe = Discontinuities { scene, assembly, lights: scene.lights_eye() };

@@ -186,7 +186,7 @@ impl Climb<'_> {
         &mut self,
         assembly: &Assembly<R>,
     ) -> Result<(Layers<f32>, Plane<[f32; 3]>, Frame<R>), Error> {
-        let plan = raster::Plan::new(self.scene, assembly);
+        let plan = raster::Plan::new(self.scene, assembly, self.options.model);
         let shading = self.scene.raster.shading;
         let options = |shading, clamp, layers| raster::Options {
             shading,
@@ -207,7 +207,7 @@ impl Climb<'_> {
 
     /// Rung 4.
     fn cast_on_triangles<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Frame<R>, Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Mesh)?;
+        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Mesh, self.options.model)?;
         let cast = trace::Options::cast(self.options.isa);
         let frame = self.draw_trace(&plan, "4", &cast)?;
         self.rungs.push(values(&frame.color));
@@ -219,7 +219,7 @@ impl Climb<'_> {
         &mut self,
         assembly: &Assembly<R>,
     ) -> Result<(Layers<f32>, Layers<f32>, Plane<[f32; 3]>), Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Exact)?;
+        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Exact, self.options.model)?;
         let asked = self.options;
         let cast = trace::Options { layers: true, ..trace::Options::cast(asked.isa) };
         let local = self.draw_trace(&plan, "5", &cast)?;

@@ -23,6 +23,7 @@ pub mod text;
 
 use std::path::{Path, PathBuf};
 
+pub use keys::{MAX_PIXELS, MAX_SIDE};
 pub use schema::schema;
 pub use shipped::{Shipped, shipped};
 
@@ -73,13 +74,17 @@ pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
     if path.exists() {
         return load_path(path, name, options);
     }
-    match shipped().iter().find(|scene| scene.name == name) {
-        Some(scene) => {
-            let file = format!("{name}.toml");
-            load_toml(&file, scene.text.to_owned(), &Home::Embedded, name, options)
-        }
-        None => Err(unknown(name)),
-    }
+    let text = shipped_text(name)?.to_owned();
+    load_toml(&format!("{name}.toml"), text, &Home::Embedded, name, options)
+}
+
+/// The text of a shipped scene.
+///
+/// # Errors
+/// An unknown name; names that are close to it are told.
+pub fn shipped_text(name: &str) -> Result<&'static str, Error> {
+    let found = shipped().iter().find(|scene| scene.name == name);
+    found.map(|scene| scene.text).ok_or_else(|| unknown(name))
 }
 
 fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported, Error> {

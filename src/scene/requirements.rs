@@ -8,7 +8,7 @@
 //! Not claimed: that normals are already exactly unit length after the transform. The rotation to eye space rounds, so
 //! `normalize` is needed wherever normals are and the flag is on.
 
-use super::{Cull, Scene};
+use super::{Cull, Fresnel, Scene, Tir};
 use crate::gl;
 use crate::math::color::Rgb;
 
@@ -110,16 +110,20 @@ pub struct Requirements {
 }
 
 impl Requirements {
-    /// What a plan is built from: the scene's needs, or everything.
+    /// What a plan is built from: the scene's needs at any depth, since a plan is drawn at several; or everything.
     pub fn plan(scene: &Scene, mode: Mode, model: Model) -> Self {
         match model {
-            Model::Required => Self::of(scene, mode),
+            Model::Required => Self::at_depth(scene, mode, 1),
             Model::Full => Self::full(scene),
         }
     }
 
     /// What a scene needs in a renderer.
     pub fn of(scene: &Scene, mode: Mode) -> Self {
+        Self::at_depth(scene, mode, scene.trace.depth)
+    }
+
+    fn at_depth(scene: &Scene, mode: Mode, depth: u32) -> Self {
         let mut used = vec![false; scene.materials.len()];
         for material in scene.objects.iter().flat_map(|o| &o.materials) {
             used[*material] = true;
@@ -139,8 +143,8 @@ impl Requirements {
         };
         for material in materials() {
             needs.scene_terms(scene, material, two_sided);
-            if mode == Mode::Trace && scene.trace.depth > 0 {
-                needs.secondary_rays(material);
+            if mode == Mode::Trace && depth > 0 {
+                needs.secondary_rays(scene, material);
             }
         }
         for light in scene.enabled_lights() {
@@ -204,9 +208,11 @@ impl Requirements {
         }
     }
 
-    fn secondary_rays(&mut self, material: &super::Material) {
+    fn secondary_rays(&mut self, scene: &Scene, material: &super::Material) {
         let (name, optics) = (&material.name, &material.optics);
-        let shares = optics.fresnel != super::Fresnel::Off && optics.is_transmissive();
+        let bends = optics.is_transmissive() && optics.ior != 1.0 && !optics.thin;
+        let shares = optics.is_transmissive() && optics.fresnel != Fresnel::Off
+            || bends && scene.trace.tir == Tir::Reflect;
         if optics.is_mirror() || shares {
             self.add(Feature::ReflectionRays, || {
                 format!("material {name} mirrors")
@@ -216,7 +222,7 @@ impl Requirements {
             self.add(Feature::RefractionRays, || {
                 format!("material {name} transmits")
             });
-            if optics.ior != 1.0 && !optics.thin {
+            if bends {
                 self.add(Feature::Tir, || {
                     format!("material {name} has ior {}", optics.ior)
                 });
