@@ -80,7 +80,8 @@ pub fn buildup(steps: &[(Term, &Picture)], form: Form) -> Result<Picture, Error>
         .iter()
         .map(|(_, p)| p.near_width(BUILDUP_WIDTH))
         .collect();
-    let unit = unit_for(small.iter().map(|p| p.width).max().unwrap_or(0)).min(24.0);
+    let widest = small.iter().map(|p| p.width).max().unwrap_or(0);
+    let unit = (widest as f32 / 20.0).round().clamp(14.0, 24.0);
     let mut cells: Vec<Cell> = steps
         .iter()
         .zip(&small)
