@@ -114,7 +114,7 @@ pub fn pieces(form: Form, last: Term) -> Vec<Piece> {
     let e = Term::Emission;
     list.symbol(e, "I", "E");
     let a = Term::Ambient;
-    list.join(a, " + ");
+    list.join(a);
     list.symbol(a, "K", "A");
     list.plain(Some(a), " ");
     list.symbol(a, "I", "AL");
@@ -127,7 +127,7 @@ pub fn pieces(form: Form, last: Term) -> Vec<Piece> {
         ),
         (Term::Refraction, "T", "T"),
     ] {
-        list.join(term, " + ");
+        list.join(term);
         list.symbol(term, "K", weight);
         list.plain(Some(term), " ");
         list.symbol(term, "I", arrives);
@@ -138,7 +138,7 @@ pub fn pieces(form: Form, last: Term) -> Vec<Piece> {
 /// The sum over the lights.
 fn direct(list: &mut List, specular: SpecularModel) {
     let (d, s, shadow) = (Term::Diffuse, Term::Specular, Term::Shadow);
-    list.join(d, " + ");
+    list.join(d);
     list.push(Some(d), "Σ", Script::Base, false);
     list.push(Some(d), "L", Script::Sub, true);
     list.plain(Some(d), " ");
@@ -149,7 +149,8 @@ fn direct(list: &mut List, specular: SpecularModel) {
     list.plain(Some(d), "·");
     list.variable(Some(d), "L");
     list.plain(Some(d), ")");
-    list.plain(Some(s), " + ");
+    list.plain(Some(s), " ");
+    list.plain(Some(s), "+ ");
     list.symbol(s, "K", "S");
     list.plain(Some(s), " (");
     let (left, right) = match specular {
@@ -201,13 +202,14 @@ impl List {
         self.push(Some(term), subscript, Script::Sub, true);
     }
 
-    /// A plus on the outermost level, before which a line may break.
-    fn join(&mut self, term: Term, text: &'static str) {
+    /// A plus on the outermost level; a line may break at the space before it.
+    fn join(&mut self, term: Term) {
         let before = self.pieces.len();
-        self.plain(Some(term), text);
+        self.plain(Some(term), " ");
         if let Some(piece) = self.pieces.get_mut(before) {
             piece.breaks = true;
         }
+        self.plain(Some(term), "+ ");
     }
 }
 

@@ -8,7 +8,7 @@ use crate::error::Error;
 
 use super::causes::NOT_MODELLED;
 use super::equation::{Form, Piece, Script, Term, pieces};
-use super::layout::{Cell, Chunk, GREY, INK, MARK, grid, words};
+use super::layout::{Cell, Chunk, GREY, INK, MARK, grid, room, words};
 use super::picture::Picture;
 use super::text::{Face, Span};
 
@@ -80,7 +80,8 @@ pub fn buildup(steps: &[(Term, &Picture)], form: Form) -> Result<Picture, Error>
         .iter()
         .map(|(_, p)| p.near_width(BUILDUP_WIDTH))
         .collect();
-    let unit = unit_for(small.iter().map(|p| p.width).max().unwrap_or(0)).min(24.0);
+    let widest = small.iter().map(|p| p.width).max().unwrap_or(0);
+    let unit = (widest as f32 / 20.0).round().clamp(14.0, 24.0);
     let mut cells: Vec<Cell> = steps
         .iter()
         .zip(&small)
@@ -98,21 +99,17 @@ pub fn buildup(steps: &[(Term, &Picture)], form: Form) -> Result<Picture, Error>
 
 /// What the empty place of the build-up says.
 fn buildup_note(unit: f32) -> Cell<'static> {
-    let text = |t: &str, color| words(t, Face::Regular, 0.84 * unit, color);
+    let text = |t: &str| words(t, Face::Regular, 0.84 * unit, GREY);
     let title = |t: &str| words(t, Face::SemiBold, 0.84 * unit, INK);
     Cell {
-        above: vec![
+        below: vec![
             title("First row: local"),
-            text(
-                "A surface and its lights. The rasterizer computes exactly these terms.",
-                GREY,
-            ),
+            text("A surface and its lights. The rasterizer computes exactly these terms."),
+            room(0.5 * unit),
             title("Second row: global"),
-            text(
-                "Terms that need other surfaces. Only the tracer has them.",
-                GREY,
-            ),
-            text(NOT_MODELLED, GREY),
+            text("Terms that need other surfaces. Only the tracer has them."),
+            room(0.5 * unit),
+            text(NOT_MODELLED),
         ],
         ..Cell::default()
     }
@@ -255,12 +252,12 @@ mod tests {
                 .collect();
             let expected = match term {
                 Term::Emission => "IE",
-                Term::Ambient => " + KAIAL",
-                Term::Diffuse => " + ΣLKD (N·L)IL",
-                Term::Specular => "( + KS (V·R)n)",
+                Term::Ambient => "+ KAIAL",
+                Term::Diffuse => "+ ΣLKD (N·L)IL",
+                Term::Specular => "(+ KS (V·R)n)",
                 Term::Shadow => "SL",
-                Term::Reflection => " + KSIR",
-                Term::Refraction => " + KTIT",
+                Term::Reflection => "+ KSIR",
+                Term::Refraction => "+ KTIT",
             };
             assert_eq!(marked, expected);
         }

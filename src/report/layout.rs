@@ -28,6 +28,7 @@ const MAX_PIXELS: usize = 1 << 28;
 pub(super) type Chunk = Vec<Span>;
 
 /// One picture with its text. Each block of text starts on a new line.
+/// Without a picture, the text below stands in the picture's place.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cell<'a> {
     pub(super) above: Vec<Vec<Chunk>>,
@@ -46,6 +47,11 @@ pub(super) fn words(text: &str, face: Face, size: f32, color: [u8; 3]) -> Vec<Ch
         vec![Span::new(text, face, size, color)]
     };
     text.split_whitespace().enumerate().map(spaced).collect()
+}
+
+/// A line of nothing, for a little room between blocks.
+pub(super) fn room(size: f32) -> Vec<Chunk> {
+    vec![vec![Span::new("", Face::Regular, size, INK)]]
 }
 
 /// Sets chunks into lines no wider than `width`; a chunk wider than that gets a line of its own.
@@ -185,10 +191,11 @@ fn set_cell<'a>(cell: &Cell<'a>, width: f32) -> SetCell<'a> {
 fn row_heights(row: &[SetCell], space: &Spacing) -> [usize; 3] {
     let highest = |f: &dyn Fn(&SetCell) -> usize| row.iter().map(f).max().unwrap_or(0);
     let near = |height: usize| if height > 0 { height + space.near } else { 0 };
+    let below = |c: &SetCell| space.lines(&c.below);
     [
         near(highest(&|c| space.lines(&c.above))),
-        highest(&|c| c.picture.map_or(0, |p| p.height)),
-        near(highest(&|c| space.lines(&c.below))),
+        highest(&|c| c.picture.map_or_else(|| below(c), |p| p.height)),
+        near(highest(&|c| c.picture.map_or(0, |_| below(c)))),
     ]
 }
 
@@ -203,13 +210,15 @@ fn draw_cell(
 ) {
     draw_lines(pixmap, &cell.above, x, y, space);
     let top = y + heights[0];
+    let mut below = top;
     if let Some(picture) = cell.picture {
+        below = top + heights[1] + space.near;
         draw_picture(pixmap, picture, x, top);
         if let Some(scale) = &picture.scale {
             draw_legend(pixmap, scale, x + picture.width, top, picture.height, space);
         }
     }
-    draw_lines(pixmap, &cell.below, x, top + heights[1] + space.near, space);
+    draw_lines(pixmap, &cell.below, x, below, space);
 }
 
 fn draw_lines(pixmap: &mut Pixmap, lines: &[Vec<Span>], x: usize, y: usize, space: &Spacing) {
@@ -395,7 +404,7 @@ mod tests {
                 let bar = figure
                     .pixels
                     .iter()
-                    .filter(|p| **p == scale.color(0.5))
+                    .filter(|p| **p == scale.color(0.5 - 0.5 / 200.0))
                     .count();
                 assert!(bar > 0);
             }

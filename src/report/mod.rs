@@ -12,13 +12,15 @@ pub mod causes;
 pub mod equation;
 pub mod figures;
 pub mod files;
+pub mod folder;
 pub mod formats;
 pub mod layered;
 mod layout;
 pub mod numbers;
-// pub mod page;
+pub mod page;
 pub mod picture;
+mod sections;
 pub mod summary;
 pub mod text;
 
-// pub use page::Report;
+pub use page::{NamedPlane, Report};

@@ -171,12 +171,12 @@ fn draw_highlights(pixmap: &mut Pixmap, spans: &[Span], x: f32, baseline: f32) {
             run[0].highlight,
             run.iter().map(|s| s.size).reduce(f32::max),
         ) {
-            let pad = 0.14 * size;
+            let pad = 0.09 * size;
             let area = [
                 pen - pad,
-                baseline - 0.94 * size,
+                baseline - 0.96 * size,
                 run_width + 2.0 * pad,
-                1.32 * size,
+                1.34 * size,
             ];
             fill_rounded(pixmap, area, 0.2 * size, color);
         }
