@@ -216,8 +216,7 @@ impl<R: Real> Workspace<R> {
         let corners = plan.assembly.triangles[primitive as usize];
         let homogeneous = plan.corners(primitive).map(|v| v.homogeneous());
         // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
-        let back = plan.two_sided
-            && orientation(homogeneous) * plan.view.front_sign <= 0;
+        let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
         let surface = surface(material, back);
         let points = match mode.shading {

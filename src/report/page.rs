@@ -436,7 +436,10 @@ pub(super) mod tests {
                 .into_iter()
                 .all(|s| s.starts_with("data:image/png;base64,iVB"))
         );
-        assert!(!html.contains("base64,@"), "a face of the style sheet was not filled in");
+        assert!(
+            !html.contains("base64,@"),
+            "a face of the style sheet was not filled in"
+        );
     }
 
     #[test]

@@ -347,8 +347,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             counters: &mut self.counters,
         };
         let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
-        let visibility = wanted
-            .then_some(&mut shadows as &mut dyn Visibility<R>);
+        let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
         let (isa, rig) = (self.options.isa, &plan.rig);
         let mut terms = Vec::new();
         let mut sum = [Vec::new(), Vec::new(), Vec::new()];
