@@ -40,7 +40,7 @@ use crate::sampling::{self, Pattern};
 use crate::scene::assembly::Assembly;
 use crate::scene::{Projection, Scene};
 use setup::{Builder, Chunk, SampleBox, TILE, TileGrid};
-use shade::{Mode, Sums, Workspace};
+use shade::{Mode, Pass, Sums, Workspace};
 use tile::Samples;
 use view::{Vertex, View};
 
@@ -431,16 +431,15 @@ impl<R: Real> Drawer<'_, '_, R> {
                         .draw(&area, &samples, bits, record, v, counters);
                 }
             }
-            workspace.sample(
+            let pass = Pass {
                 plan,
-                &self.mode,
-                self.options,
-                &area,
-                &samples,
-                sample == 0,
-                &mut sums,
-                &mut counters,
-            );
+                mode: &self.mode,
+                options: self.options,
+                area: &area,
+                samples: &samples,
+                first: sample == 0,
+            };
+            workspace.sample(&pass, &mut sums, &mut counters);
         }
         (sums, counters)
     }

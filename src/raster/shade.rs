@@ -14,7 +14,7 @@ use super::tile::{Samples, Visibility};
 use super::view::orientation;
 use super::{Counters, Options, Plan};
 use crate::frame::{LayerIndex, NONE, sum_in_order};
-use crate::gl::{ColorControl, Material, ShadeModel};
+use crate::gl::{ColorControl, ShadeModel};
 use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, shade, surface};
 use crate::math::color::clamp_rgb;
@@ -122,9 +122,27 @@ impl<R: Real> Sums<R> {
 struct Current {
     primitive: u32,
     weights: Weights,
+    distance: [f64; 3],
     corners: [u32; 3],
     surface: usize,
     points: [u32; 3],
+}
+
+/// One sample of each pixel of a tile, about to be shaded.
+#[derive(Clone, Copy)]
+pub(super) struct Pass<'a, 's, R> {
+    /// The scene.
+    pub(super) plan: &'a Plan<'s, R>,
+    /// How points are lit.
+    pub(super) mode: &'a Mode,
+    /// The draw's options.
+    pub(super) options: &'a Options,
+    /// The tile.
+    pub(super) area: &'a TileArea,
+    /// Its samples.
+    pub(super) samples: &'a Samples<'a>,
+    /// The frame keeps this sample's depth and primitive.
+    pub(super) first: bool,
 }
 
 /// Memory of one worker, reused from tile to tile.
@@ -161,30 +179,26 @@ impl<R: Real> Workspace<R> {
     /// Shades what the visibility buffer shows of one sample a pixel and adds it to the sums.
     pub(super) fn sample(
         &mut self,
-        plan: &Plan<'_, R>,
-        mode: &Mode,
-        options: &Options,
-        area: &TileArea,
-        samples: &Samples<'_>,
-        first: bool,
+        pass: &Pass<'_, '_, R>,
         sums: &mut Sums<R>,
         counters: &mut Counters,
     ) {
-        self.gather(plan, mode, area, samples);
-        self.light(plan, mode, options, counters);
-        if first {
-            self.keep_depth(plan, sums);
+        self.gather(pass);
+        self.light(pass, counters);
+        if pass.first {
+            self.keep_depth(pass.plan, sums);
         }
-        self.add_background(plan, mode, area, sums);
-        self.add_colors(mode, sums);
+        self.add_background(pass, sums);
+        self.add_colors(pass.mode, sums);
     }
 
     /// Lists the visible samples, and the points to be lit for them.
-    fn gather(&mut self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, samples: &Samples<'_>) {
+    fn gather(&mut self, pass: &Pass<'_, '_, R>) {
         self.fragments.clear();
+        let range = [pass.plan.view.near, pass.plan.view.far];
         let mut current: Option<Current> = None;
-        for y in 0..area.size[1] {
-            for x in 0..area.size[0] {
+        for y in 0..pass.area.size[1] {
+            for x in 0..pass.area.size[0] {
                 let at = y * TILE + x;
                 let primitive = self.visibility.primitive[at];
                 if primitive == NONE {
@@ -192,13 +206,14 @@ impl<R: Real> Workspace<R> {
                 }
                 let seen = match current.take() {
                     Some(seen) if seen.primitive == primitive => seen,
-                    _ => self.meet(plan, mode, primitive),
+                    _ => self.meet(pass.plan, pass.mode, primitive),
                 };
-                let weights = seen.weights.at(samples.ray(x, y));
+                let ray = pass.samples.ray(x, y);
+                let weights = seen.weights.between(ray, seen.distance, range);
                 let mut points = seen.points;
-                if mode.shading == ShadeModel::Phong {
+                if pass.mode.shading == ShadeModel::Phong {
                     let tag = self.fragments.len() as u32;
-                    self.push_fragment(plan, &seen, weights, tag);
+                    self.push_fragment(pass.plan, &seen, weights, tag);
                     points = [tag; 3];
                 }
                 self.fragments.push(Fragment {
@@ -214,7 +229,8 @@ impl<R: Real> Workspace<R> {
     /// Prepares a triangle that comes into sight, and its vertices where shading is per vertex.
     fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
         let corners = plan.assembly.triangles[primitive as usize];
-        let homogeneous = plan.corners(primitive).map(|v| v.homogeneous());
+        let vertices = plan.corners(primitive);
+        let homogeneous = vertices.map(|v| v.homogeneous());
         // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
         let back = plan.scene.light_model.two_sided
             && orientation(homogeneous) * plan.view.front_sign <= 0;
@@ -229,6 +245,7 @@ impl<R: Real> Workspace<R> {
         Current {
             primitive,
             weights: Weights::new(homogeneous),
+            distance: vertices.map(|v| v.distance),
             corners,
             surface,
             points,
@@ -263,13 +280,8 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Evaluates the equation for all batches.
-    fn light(
-        &mut self,
-        plan: &Plan<'_, R>,
-        mode: &Mode,
-        options: &Options,
-        counters: &mut Counters,
-    ) {
+    fn light(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
+        let mode = pass.mode;
         let per_vertex = mode.shading != ShadeModel::Phong;
         let count = if per_vertex {
             self.slots.len()
@@ -289,12 +301,7 @@ impl<R: Real> Workspace<R> {
             layer.resize(count, [R::ZERO; 3]);
         }
         for batch in self.batches.iter() {
-            let lighter = Lighter {
-                plan,
-                mode,
-                options,
-                batch,
-            };
+            let lighter = Lighter { pass, batch };
             lighter.run(&mut self.lit, &mut self.sums, &mut self.terms);
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
@@ -311,12 +318,14 @@ impl<R: Real> Workspace<R> {
             let at = usize::from(fragment.at);
             let primitive = self.visibility.primitive[at] as usize;
             let z = plan.assembly.triangles[primitive].map(|v| plan.assembly.vertex_eye(v)[2]);
-            sums.depth[at] = R::from_f64(-mix(fragment.weights, z));
+            let distance = -mix(fragment.weights, z);
+            sums.depth[at] = R::from_f64(distance.max(plan.view.near).min(plan.view.far));
         }
     }
 
-    fn add_background(&self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, sums: &mut Sums<R>) {
-        let background = plan.scene.image.background.map(R::from_f64);
+    fn add_background(&self, pass: &Pass<'_, '_, R>, sums: &mut Sums<R>) {
+        let (mode, area) = (pass.mode, pass.area);
+        let background = pass.plan.scene.image.background.map(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {
@@ -375,15 +384,13 @@ impl Fragment {
 
 /// One batch on its way through the equation.
 struct Lighter<'a, 's, R> {
-    plan: &'a Plan<'s, R>,
-    mode: &'a Mode,
-    options: &'a Options,
+    pass: &'a Pass<'a, 's, R>,
     batch: &'a Batch<R>,
 }
 
 impl<R: Real> Lighter<'_, '_, R> {
     fn run(&self, lit: &mut Lit<R>, sums: &mut [[Vec<R>; 3]; 2], terms: &mut Vec<[Vec<R>; 3]>) {
-        let mode = self.mode;
+        let mode = self.pass.mode;
         let [primary, secondary] = sums;
         if mode.layers.is_some() {
             self.shade(Sink::Record(terms));
@@ -416,16 +423,10 @@ impl<R: Real> Lighter<'_, '_, R> {
     }
 
     fn shade(&self, sink: Sink<'_, R>) {
-        let material: &Material = self.plan.material(self.batch.surface);
-        shade(
-            self.options.isa,
-            &self.plan.rig,
-            material,
-            &self.batch.points,
-            None,
-            self.mode.signed,
-            sink,
-        );
+        let Pass { plan, mode, .. } = self.pass;
+        let (isa, material) = (self.pass.options.isa, plan.material(self.batch.surface));
+        let points = &self.batch.points;
+        shade(isa, &plan.rig, material, points, None, mode.signed, sink);
     }
 }
 
