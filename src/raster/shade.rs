@@ -8,72 +8,18 @@
 //! apart under separate specular), then the sum at the fragment.
 
 use super::attribute::{Weights, mix, mix3};
+use super::lit::{Lit, Mode, Output};
 use super::setup::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
 use super::view::orientation;
 use super::{Counters, Options, Plan};
-use crate::frame::{LayerIndex, NONE, sum_in_order};
-use crate::gl::{ColorControl, ShadeModel};
+use crate::frame::{LayerIndex, NONE};
+use crate::gl::ShadeModel;
 use crate::lanes::Real;
-use crate::lighting::{Batch, Batches, Sink, shade, surface};
+use crate::lighting::{Batches, surface};
 use crate::math::color::clamp_rgb;
 use crate::math::float::normalize;
-
-/// What of the options and the scene decides how points are lit.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mode {
-    shading: ShadeModel,
-    clamp: bool,
-    /// Primary and secondary colour are clamped apart.
-    split: bool,
-    /// How many layers the equation fills, where layers are asked for.
-    layers: Option<usize>,
-    signed: bool,
-}
-
-impl Mode {
-    /// The mode of a draw.
-    pub(super) fn new<R: Real>(plan: &Plan<'_, R>, options: &Options) -> Self {
-        let separate = plan.scene.light_model.color_control == ColorControl::SeparateSpecular;
-        let lights = plan.rig.light_count();
-        Self {
-            shading: options.shading,
-            clamp: options.clamp,
-            split: options.clamp && separate,
-            layers: options.layers.then(|| LayerIndex { lights }.local()),
-            signed: plan.scene.has_negative_colors(),
-        }
-    }
-
-    /// The unclamped picture is kept beside the clamped one, for the layers to add up to.
-    pub(super) fn keeps_plain(&self) -> bool {
-        self.clamp && self.layers.is_some()
-    }
-
-    /// How many layers the equation fills; 0 where none are asked for.
-    pub(super) fn layer_count(&self) -> usize {
-        self.layers.unwrap_or(0)
-    }
-
-    /// Whether sums run in f64.
-    pub(super) fn signed(&self) -> bool {
-        self.signed
-    }
-}
-
-/// Colours of lit points: vertices of a tile, or fragments.
-#[derive(Debug, Default)]
-struct Lit<R> {
-    /// The whole colour, or GL's primary colour where split; clamped if the mode says so.
-    color: Vec<[R; 3]>,
-    /// GL's secondary colour, clamped; empty where not split.
-    secondary: Vec<[R; 3]>,
-    /// The unclamped colour, where the mode keeps it.
-    plain: Vec<[R; 3]>,
-    /// Layer by layer; empty where none are asked for.
-    layers: Vec<Vec<[R; 3]>>,
-}
 
 /// A visible sample.
 #[derive(Clone, Copy, Debug)]
@@ -153,8 +99,7 @@ pub(super) struct Workspace<R> {
     slots: SlotMap,
     lit: Lit<R>,
     batches: Batches<R>,
-    sums: [[Vec<R>; 3]; 2],
-    terms: Vec<[Vec<R>; 3]>,
+    output: Output<R>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -165,9 +110,8 @@ impl<R: Real> Workspace<R> {
             fragments: Vec::new(),
             slots: SlotMap::new(),
             lit: Lit::default(),
+            output: Output::default(),
             batches: Batches::new(materials),
-            sums: Default::default(),
-            terms: Vec::new(),
         }
     }
 
@@ -288,21 +232,9 @@ impl<R: Real> Workspace<R> {
         } else {
             self.fragments.len()
         };
-        let lit = &mut self.lit;
-        lit.color.resize(count, [R::ZERO; 3]);
-        if mode.split {
-            lit.secondary.resize(count, [R::ZERO; 3]);
-        }
-        if mode.keeps_plain() {
-            lit.plain.resize(count, [R::ZERO; 3]);
-        }
-        lit.layers.resize_with(mode.layer_count(), Vec::new);
-        for layer in &mut lit.layers {
-            layer.resize(count, [R::ZERO; 3]);
-        }
+        self.lit.resize(mode, count);
         for batch in self.batches.iter() {
-            let lighter = Lighter { pass, batch };
-            lighter.run(&mut self.lit, &mut self.sums, &mut self.terms);
+            self.lit.light(pass, batch, &mut self.output);
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
             if per_vertex {
@@ -379,54 +311,6 @@ impl Fragment {
             ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
             ShadeModel::Flat | ShadeModel::Phong => values[a],
         }
-    }
-}
-
-/// One batch on its way through the equation.
-struct Lighter<'a, 's, R> {
-    pass: &'a Pass<'a, 's, R>,
-    batch: &'a Batch<R>,
-}
-
-impl<R: Real> Lighter<'_, '_, R> {
-    fn run(&self, lit: &mut Lit<R>, sums: &mut [[Vec<R>; 3]; 2], terms: &mut Vec<[Vec<R>; 3]>) {
-        let mode = self.pass.mode;
-        let [primary, secondary] = sums;
-        if mode.layers.is_some() {
-            self.shade(Sink::Record(terms));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                let tag = *tag as usize;
-                let term = |t: &[Vec<R>; 3]| [t[0][i], t[1][i], t[2][i]];
-                let sum = sum_in_order(terms.iter().map(term), mode.signed);
-                for (layer, t) in lit.layers.iter_mut().zip(terms.iter()) {
-                    layer[tag] = term(t);
-                }
-                if mode.clamp {
-                    lit.plain[tag] = sum;
-                }
-                lit.color[tag] = if mode.clamp { clamp_rgb(sum) } else { sum };
-            }
-        }
-        if mode.split {
-            self.shade(Sink::Split(primary, secondary));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                lit.color[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| primary[k][i]));
-                lit.secondary[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| secondary[k][i]));
-            }
-        } else if mode.layers.is_none() {
-            self.shade(Sink::Sum(primary));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                let sum = [0, 1, 2].map(|k| primary[k][i]);
-                lit.color[*tag as usize] = if mode.clamp { clamp_rgb(sum) } else { sum };
-            }
-        }
-    }
-
-    fn shade(&self, sink: Sink<'_, R>) {
-        let Pass { plan, mode, .. } = self.pass;
-        let (isa, material) = (self.pass.options.isa, plan.material(self.batch.surface));
-        let points = &self.batch.points;
-        shade(isa, &plan.rig, material, points, None, mode.signed, sink);
     }
 }
 
