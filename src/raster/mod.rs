@@ -40,6 +40,7 @@ use crate::math::DVec2;
 use crate::math::float::normalize;
 use crate::sampling::{self, Pattern};
 use crate::scene::assembly::Assembly;
+use crate::scene::requirements::{self, Feature, Model, Requirements};
 use crate::scene::{Projection, Scene};
 use draw::Drawer;
 use lit::Mode;
@@ -114,6 +115,8 @@ pub struct Plan<'a, R> {
     scene: &'a Scene,
     assembly: &'a Assembly<R>,
     rig: Rig<R>,
+    /// Back faces are lit apart: asked for by the light model, and seen in some product.
+    two_sided: bool,
     view: View,
     grid: TileGrid,
     chunks: Vec<Chunk>,
@@ -121,7 +124,7 @@ pub struct Plan<'a, R> {
 
 impl<'a, R: Real> Plan<'a, R> {
     /// Projects, clips, culls and bins the triangles of an assembly of this scene.
-    pub fn new(scene: &'a Scene, assembly: &'a Assembly<R>) -> Self {
+    pub fn new(scene: &'a Scene, assembly: &'a Assembly<R>, model: Model) -> Self {
         let size = [scene.image.width, scene.image.height];
         let (camera, raster) = (&scene.camera, &scene.raster);
         let view = View::new(camera, size, raster.snap, raster.front_face);
@@ -134,10 +137,12 @@ impl<'a, R: Real> Plan<'a, R> {
             },
             origin: [0; 2],
         };
+        let needs = Requirements::plan(scene, requirements::Mode::Raster, model);
         let mut plan = Self {
             scene,
             assembly,
             rig: Rig::new(&scene.lights_eye(), &scene.light_model),
+            two_sided: scene.light_model.two_sided && needs.has(Feature::TwoSide),
             view,
             grid,
             chunks: Vec::new(),

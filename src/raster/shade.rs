@@ -176,7 +176,7 @@ impl<R: Real> Workspace<R> {
         let vertices = plan.corners(primitive);
         let homogeneous = vertices.map(|v| v.homogeneous());
         // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
-        let back = plan.scene.light_model.two_sided
+        let back = plan.two_sided
             && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
         let surface = surface(material, back);
