@@ -10,6 +10,7 @@ use rastray::math::{DAffine3, DVec2, DVec3};
 use rastray::raster::{Counters, Options, Plan, coverage};
 use rastray::sampling::{self, Pattern};
 use rastray::scene::assembly::Assembly;
+use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Cull, FrontFace, Geometry, Light, LightSpace, Material, Mesh, Object, Optics,
     Projection, Scene, Shape, Snap,
@@ -115,7 +116,7 @@ fn options(shading: ShadeModel) -> Options {
 
 fn draw_with<R: Real>(scene: &Scene, options: &Options) -> (Frame<R>, Counters) {
     let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly);
+    let plan = Plan::new(scene, &assembly, Model::Required);
     plan.draw(options).expect("a legal picture")
 }
 
@@ -787,7 +788,7 @@ const SHADINGS: [ShadeModel; 3] = [ShadeModel::Flat, ShadeModel::Gouraud, ShadeM
 fn visibility_agrees_with_brute_force_rays() {
     let scene = spheres();
     let assembly = Assembly::<f64>::new(&scene, Some(24)).expect("a small scene");
-    let plan = Plan::new(&scene, &assembly);
+    let plan = Plan::new(&scene, &assembly, Model::Required);
     let (frame, counters) = plan.draw(&options(ShadeModel::Flat)).expect("drawn");
     let all = counters.triangles_outside + counters.triangles_culled;
     let all = all + counters.triangles_degenerate + counters.triangles_drawn;
@@ -978,7 +979,7 @@ fn poisoned_vertices_neither_panic_nor_leave_nan() {
 
 fn check_finite<R: Real>(scene: &Scene, shading: ShadeModel) {
     let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly);
+    let plan = Plan::new(scene, &assembly, Model::Required);
     let frame = plan.draw(&options(shading)).expect("drawn").0;
     assert!(frame.color.data.iter().flatten().all(|x| x.is_finite()));
     assert!(frame.depth.data.iter().all(|x| x.to_f64() >= 0.0));
@@ -1022,7 +1023,7 @@ fn near_edge_is_the_distance_to_the_projected_outline() {
     let points = px.map(|[x, y]| [x - 8.0, 8.0 - y, 0.0]);
     add_mesh(&mut scene, &points, &[], glow([1.0; 3]));
     let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
-    let plan = Plan::new(&scene, &assembly);
+    let plan = Plan::new(&scene, &assembly, Model::Required);
     let frame = plan.draw(&options(ShadeModel::Flat)).expect("drawn").0;
     let edge = plan.near_edge(&frame.primitive, 0.75);
     for y in 0..16 {
@@ -1041,7 +1042,7 @@ fn impossible_pictures_are_refused() {
     let mut scene = pixel_scene(0, 8);
     let assembly = Assembly::<f32>::new(&scene, None).expect("an empty scene");
     let refused = |scene: &Scene| {
-        let plan = Plan::new(scene, &assembly);
+        let plan = Plan::new(scene, &assembly, Model::Required);
         plan.draw(&options(ShadeModel::Flat))
             .expect_err("refused")
             .to_string()
@@ -1054,7 +1055,7 @@ fn impossible_pictures_are_refused() {
     scene.image.samples = 0;
     assert!(refused(&scene).contains("samples"));
     scene.image.samples = 1;
-    let plan = Plan::new(&scene, &assembly);
+    let plan = Plan::new(&scene, &assembly, Model::Required);
     let (frame, counters) = plan.draw(&options(ShadeModel::Phong)).expect("empty");
     assert_eq!(frame.primitive.data, [NONE; 16]);
     assert_eq!(counters, Counters::default());
