@@ -47,6 +47,39 @@ impl Weights {
         self.nearest(ray, e)
     }
 
+    /// [`Weights::at`] held to `near <= distance <= far`, for corners at these distances: a sample that only the snapping of
+    /// a clipped side gave to the triangle moves to that side.
+    pub(super) fn between(
+        &self,
+        ray: [f64; 2],
+        distance: [f64; 3],
+        [near, far]: [f64; 2],
+    ) -> [f64; 3] {
+        let b = self.at(ray);
+        let found = mix(b, distance);
+        let bound = if found < near {
+            near
+        } else if found > far {
+            far
+        } else {
+            return b;
+        };
+        // The plane distance = bound meets the picture in the line m . (X, Y, 1) = 0; take the foot on it.
+        let mut m = [0.0; 3];
+        for (side, d) in self.side.iter().zip(distance) {
+            for (sum, n) in m.iter_mut().zip(side) {
+                *sum += n * (d - bound);
+            }
+        }
+        let step = (m[0] * ray[0] + m[1] * ray[1] + m[2]) / (m[0] * m[0] + m[1] * m[1]);
+        let foot = [ray[0] - m[0] * step, ray[1] - m[1] * step];
+        if foot.iter().all(|x| x.is_finite()) {
+            self.at(foot)
+        } else {
+            b
+        }
+    }
+
     /// Weights on the triangle's whole plane, without the rule for samples outside; `None` where they have no value.
     pub(super) fn on_plane(&self, ray: [f64; 2]) -> Option<[f64; 3]> {
         let e = self.edges(ray);
@@ -91,11 +124,19 @@ impl Weights {
     }
 }
 
-/// c0 + b1 (c1 - c0) + b2 (c2 - c0) in f64: exact where the three are equal.
+/// The weighted sum as c + b (c' - c) + b' (c'' - c), c the value of largest weight: exact where the three are equal, and
+/// good where one is huge and hardly counts.
 #[inline(always)]
 pub(super) fn mix<R: Real>(b: [f64; 3], c: [R; 3]) -> f64 {
-    let [c0, c1, c2] = c.map(Real::to_f64);
-    c0 + b[1] * (c1 - c0) + b[2] * (c2 - c0)
+    let c = c.map(Real::to_f64);
+    let from = |i: usize, j: usize, k: usize| c[i] + b[j] * (c[j] - c[i]) + b[k] * (c[k] - c[i]);
+    if b[0] >= b[1] && b[0] >= b[2] {
+        from(0, 1, 2)
+    } else if b[1] >= b[2] {
+        from(1, 2, 0)
+    } else {
+        from(2, 0, 1)
+    }
 }
 
 /// [`mix`] of each of three components, rounded once.

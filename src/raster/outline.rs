@@ -27,7 +27,7 @@ impl<R: Real> Plan<'_, R> {
                         outline = (primitive, self.outline_px(primitive));
                     }
                     let center = [x as f64 + 0.5, y as f64 + 0.5];
-                    !(distance_to_outline(&outline.1, center) > distance_px)
+                    distance_to_outline(&outline.1, center) <= distance_px
                 })
             })
             .collect();
@@ -46,7 +46,7 @@ impl<R: Real> Plan<'_, R> {
     }
 }
 
-/// Least distance to the sides of a closed polygon; NaN or 0 where it has no sides.
+/// Least distance to the sides of a closed polygon; 0 where it has none or they are not finite.
 fn distance_to_outline(polygon: &[[f64; 2]], p: [f64; 2]) -> f64 {
     let mut least = if polygon.is_empty() {
         0.0

@@ -8,72 +8,18 @@
 //! apart under separate specular), then the sum at the fragment.
 
 use super::attribute::{Weights, mix, mix3};
+use super::lit::{Lit, Mode, Output};
 use super::setup::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
 use super::view::orientation;
 use super::{Counters, Options, Plan};
-use crate::frame::{LayerIndex, NONE, sum_in_order};
-use crate::gl::{ColorControl, Material, ShadeModel};
+use crate::frame::{LayerIndex, NONE};
+use crate::gl::ShadeModel;
 use crate::lanes::Real;
-use crate::lighting::{Batch, Batches, Sink, shade, surface};
+use crate::lighting::{Batches, surface};
 use crate::math::color::clamp_rgb;
 use crate::math::float::normalize;
-
-/// What of the options and the scene decides how points are lit.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mode {
-    shading: ShadeModel,
-    clamp: bool,
-    /// Primary and secondary colour are clamped apart.
-    split: bool,
-    /// How many layers the equation fills, where layers are asked for.
-    layers: Option<usize>,
-    signed: bool,
-}
-
-impl Mode {
-    /// The mode of a draw.
-    pub(super) fn new<R: Real>(plan: &Plan<'_, R>, options: &Options) -> Self {
-        let separate = plan.scene.light_model.color_control == ColorControl::SeparateSpecular;
-        let lights = plan.rig.light_count();
-        Self {
-            shading: options.shading,
-            clamp: options.clamp,
-            split: options.clamp && separate,
-            layers: options.layers.then(|| LayerIndex { lights }.local()),
-            signed: plan.scene.has_negative_colors(),
-        }
-    }
-
-    /// The unclamped picture is kept beside the clamped one, for the layers to add up to.
-    pub(super) fn keeps_plain(&self) -> bool {
-        self.clamp && self.layers.is_some()
-    }
-
-    /// How many layers the equation fills; 0 where none are asked for.
-    pub(super) fn layer_count(&self) -> usize {
-        self.layers.unwrap_or(0)
-    }
-
-    /// Whether sums run in f64.
-    pub(super) fn signed(&self) -> bool {
-        self.signed
-    }
-}
-
-/// Colours of lit points: vertices of a tile, or fragments.
-#[derive(Debug, Default)]
-struct Lit<R> {
-    /// The whole colour, or GL's primary colour where split; clamped if the mode says so.
-    color: Vec<[R; 3]>,
-    /// GL's secondary colour, clamped; empty where not split.
-    secondary: Vec<[R; 3]>,
-    /// The unclamped colour, where the mode keeps it.
-    plain: Vec<[R; 3]>,
-    /// Layer by layer; empty where none are asked for.
-    layers: Vec<Vec<[R; 3]>>,
-}
 
 /// A visible sample.
 #[derive(Clone, Copy, Debug)]
@@ -122,9 +68,27 @@ impl<R: Real> Sums<R> {
 struct Current {
     primitive: u32,
     weights: Weights,
+    distance: [f64; 3],
     corners: [u32; 3],
     surface: usize,
     points: [u32; 3],
+}
+
+/// One sample of each pixel of a tile, about to be shaded.
+#[derive(Clone, Copy)]
+pub(super) struct Pass<'a, 's, R> {
+    /// The scene.
+    pub(super) plan: &'a Plan<'s, R>,
+    /// How points are lit.
+    pub(super) mode: &'a Mode,
+    /// The draw's options.
+    pub(super) options: &'a Options,
+    /// The tile.
+    pub(super) area: &'a TileArea,
+    /// Its samples.
+    pub(super) samples: &'a Samples<'a>,
+    /// The frame keeps this sample's depth and primitive.
+    pub(super) first: bool,
 }
 
 /// Memory of one worker, reused from tile to tile.
@@ -135,8 +99,7 @@ pub(super) struct Workspace<R> {
     slots: SlotMap,
     lit: Lit<R>,
     batches: Batches<R>,
-    sums: [[Vec<R>; 3]; 2],
-    terms: Vec<[Vec<R>; 3]>,
+    output: Output<R>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -147,9 +110,8 @@ impl<R: Real> Workspace<R> {
             fragments: Vec::new(),
             slots: SlotMap::new(),
             lit: Lit::default(),
+            output: Output::default(),
             batches: Batches::new(materials),
-            sums: Default::default(),
-            terms: Vec::new(),
         }
     }
 
@@ -161,30 +123,26 @@ impl<R: Real> Workspace<R> {
     /// Shades what the visibility buffer shows of one sample a pixel and adds it to the sums.
     pub(super) fn sample(
         &mut self,
-        plan: &Plan<'_, R>,
-        mode: &Mode,
-        options: &Options,
-        area: &TileArea,
-        samples: &Samples<'_>,
-        first: bool,
+        pass: &Pass<'_, '_, R>,
         sums: &mut Sums<R>,
         counters: &mut Counters,
     ) {
-        self.gather(plan, mode, area, samples);
-        self.light(plan, mode, options, counters);
-        if first {
-            self.keep_depth(plan, sums);
+        self.gather(pass);
+        self.light(pass, counters);
+        if pass.first {
+            self.keep_depth(pass.plan, sums);
         }
-        self.add_background(plan, mode, area, sums);
-        self.add_colors(mode, sums);
+        self.add_background(pass, sums);
+        self.add_colors(pass.mode, sums);
     }
 
     /// Lists the visible samples, and the points to be lit for them.
-    fn gather(&mut self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, samples: &Samples<'_>) {
+    fn gather(&mut self, pass: &Pass<'_, '_, R>) {
         self.fragments.clear();
+        let range = [pass.plan.view.near, pass.plan.view.far];
         let mut current: Option<Current> = None;
-        for y in 0..area.size[1] {
-            for x in 0..area.size[0] {
+        for y in 0..pass.area.size[1] {
+            for x in 0..pass.area.size[0] {
                 let at = y * TILE + x;
                 let primitive = self.visibility.primitive[at];
                 if primitive == NONE {
@@ -192,13 +150,14 @@ impl<R: Real> Workspace<R> {
                 }
                 let seen = match current.take() {
                     Some(seen) if seen.primitive == primitive => seen,
-                    _ => self.meet(plan, mode, primitive),
+                    _ => self.meet(pass.plan, pass.mode, primitive),
                 };
-                let weights = seen.weights.at(samples.ray(x, y));
+                let ray = pass.samples.ray(x, y);
+                let weights = seen.weights.between(ray, seen.distance, range);
                 let mut points = seen.points;
-                if mode.shading == ShadeModel::Phong {
+                if pass.mode.shading == ShadeModel::Phong {
                     let tag = self.fragments.len() as u32;
-                    self.push_fragment(plan, &seen, weights, tag);
+                    self.push_fragment(pass.plan, &seen, weights, tag);
                     points = [tag; 3];
                 }
                 self.fragments.push(Fragment {
@@ -214,7 +173,8 @@ impl<R: Real> Workspace<R> {
     /// Prepares a triangle that comes into sight, and its vertices where shading is per vertex.
     fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
         let corners = plan.assembly.triangles[primitive as usize];
-        let homogeneous = plan.corners(primitive).map(|v| v.homogeneous());
+        let vertices = plan.corners(primitive);
+        let homogeneous = vertices.map(|v| v.homogeneous());
         // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
         let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
@@ -228,6 +188,7 @@ impl<R: Real> Workspace<R> {
         Current {
             primitive,
             weights: Weights::new(homogeneous),
+            distance: vertices.map(|v| v.distance),
             corners,
             surface,
             points,
@@ -262,39 +223,17 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Evaluates the equation for all batches.
-    fn light(
-        &mut self,
-        plan: &Plan<'_, R>,
-        mode: &Mode,
-        options: &Options,
-        counters: &mut Counters,
-    ) {
+    fn light(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
+        let mode = pass.mode;
         let per_vertex = mode.shading != ShadeModel::Phong;
         let count = if per_vertex {
             self.slots.len()
         } else {
             self.fragments.len()
         };
-        let lit = &mut self.lit;
-        lit.color.resize(count, [R::ZERO; 3]);
-        if mode.split {
-            lit.secondary.resize(count, [R::ZERO; 3]);
-        }
-        if mode.keeps_plain() {
-            lit.plain.resize(count, [R::ZERO; 3]);
-        }
-        lit.layers.resize_with(mode.layer_count(), Vec::new);
-        for layer in &mut lit.layers {
-            layer.resize(count, [R::ZERO; 3]);
-        }
+        self.lit.resize(mode, count);
         for batch in self.batches.iter() {
-            let lighter = Lighter {
-                plan,
-                mode,
-                options,
-                batch,
-            };
-            lighter.run(&mut self.lit, &mut self.sums, &mut self.terms);
+            self.lit.light(pass, batch, &mut self.output);
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
             if per_vertex {
@@ -310,12 +249,14 @@ impl<R: Real> Workspace<R> {
             let at = usize::from(fragment.at);
             let primitive = self.visibility.primitive[at] as usize;
             let z = plan.assembly.triangles[primitive].map(|v| plan.assembly.vertex_eye(v)[2]);
-            sums.depth[at] = R::from_f64(-mix(fragment.weights, z));
+            let distance = -mix(fragment.weights, z);
+            sums.depth[at] = R::from_f64(distance.max(plan.view.near).min(plan.view.far));
         }
     }
 
-    fn add_background(&self, plan: &Plan<'_, R>, mode: &Mode, area: &TileArea, sums: &mut Sums<R>) {
-        let background = plan.scene.image.background.map(R::from_f64);
+    fn add_background(&self, pass: &Pass<'_, '_, R>, sums: &mut Sums<R>) {
+        let (mode, area) = (pass.mode, pass.area);
+        let background = pass.plan.scene.image.background.map(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {
@@ -369,62 +310,6 @@ impl Fragment {
             ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
             ShadeModel::Flat | ShadeModel::Phong => values[a],
         }
-    }
-}
-
-/// One batch on its way through the equation.
-struct Lighter<'a, 's, R> {
-    plan: &'a Plan<'s, R>,
-    mode: &'a Mode,
-    options: &'a Options,
-    batch: &'a Batch<R>,
-}
-
-impl<R: Real> Lighter<'_, '_, R> {
-    fn run(&self, lit: &mut Lit<R>, sums: &mut [[Vec<R>; 3]; 2], terms: &mut Vec<[Vec<R>; 3]>) {
-        let mode = self.mode;
-        let [primary, secondary] = sums;
-        if mode.layers.is_some() {
-            self.shade(Sink::Record(terms));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                let tag = *tag as usize;
-                let term = |t: &[Vec<R>; 3]| [t[0][i], t[1][i], t[2][i]];
-                let sum = sum_in_order(terms.iter().map(term), mode.signed);
-                for (layer, t) in lit.layers.iter_mut().zip(terms.iter()) {
-                    layer[tag] = term(t);
-                }
-                if mode.clamp {
-                    lit.plain[tag] = sum;
-                }
-                lit.color[tag] = if mode.clamp { clamp_rgb(sum) } else { sum };
-            }
-        }
-        if mode.split {
-            self.shade(Sink::Split(primary, secondary));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                lit.color[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| primary[k][i]));
-                lit.secondary[*tag as usize] = clamp_rgb([0, 1, 2].map(|k| secondary[k][i]));
-            }
-        } else if mode.layers.is_none() {
-            self.shade(Sink::Sum(primary));
-            for (i, tag) in self.batch.tags.iter().enumerate() {
-                let sum = [0, 1, 2].map(|k| primary[k][i]);
-                lit.color[*tag as usize] = if mode.clamp { clamp_rgb(sum) } else { sum };
-            }
-        }
-    }
-
-    fn shade(&self, sink: Sink<'_, R>) {
-        let material: &Material = self.plan.material(self.batch.surface);
-        shade(
-            self.options.isa,
-            &self.plan.rig,
-            material,
-            &self.batch.points,
-            None,
-            self.mode.signed,
-            sink,
-        );
     }
 }
 

@@ -144,7 +144,7 @@ impl Visibility {
         let xs = &x[left..left + width];
         // What each edge gains at most on the way to the end of a row.
         let gain = a.map(|step| step.most_of(width - 1));
-        for row in top..top + height {
+        for (row, y) in y.iter().enumerate().skip(top).take(height) {
             let start = e;
             for i in 0..3 {
                 e[i] = e[i].plus(b[i]);
@@ -156,7 +156,7 @@ impl Visibility {
             let place = row * TILE + left;
             let keys = &mut self.key[place..place + width];
             let primitives = &mut self.primitive[place..place + width];
-            let row_key = k0 + ky * y[row];
+            let row_key = k0 + ky * y;
             let [mut e0, mut e1, mut e2] = start;
             let (mut covered, mut passed) = (0u32, 0u32);
             for ((seen, primitive), x) in keys.iter_mut().zip(primitives).zip(xs) {
@@ -177,7 +177,6 @@ impl Visibility {
     }
 
     /// The kernel for samples at places of their own.
-    #[expect(clippy::too_many_arguments)]
     fn scattered(
         &mut self,
         window: &Window,
