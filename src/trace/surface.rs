@@ -7,8 +7,8 @@
 
 use super::build::Bounds;
 use super::bvh::{Bvh, Walker};
-use super::exact::{cross, unit};
-use super::planar::Shear;
+use super::exact::unit;
+use super::planar::{Shear, normal, precise_weights};
 use super::ray::{Foot, Hit, Ray};
 use super::solid::Solid;
 use crate::lanes::Real;
@@ -181,7 +181,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
     /// taken from the eye-space numbers that the rasterizer uses, too.
     pub fn site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
         if hit.item & SOLID == 0 {
-            self.triangle_site(hit, eye_ray)
+            self.triangle_site(ray, hit, eye_ray)
         } else {
             self.solid_site(ray, hit)
         }
@@ -276,7 +276,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
     }
 
-    fn triangle_site(&self, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+    fn triangle_site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
         let a = self.assembly;
         let triangle = a.triangles[hit.item as usize];
         let world = self
@@ -285,10 +285,15 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
         let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
-        let [u, v] = hit.uv;
+        // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
+        let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {
+            precise_weights(ray.origin, ray.direction, world).unwrap_or(hit.uv)
+        } else {
+            hit.uv
+        };
         let foot = Foot {
             point: world[0] + u * ab + v * ac,
-            normal: unit(cross(unit(ab), unit(ac))),
+            normal: normal(world),
             scale: ab.abs().max_element() + ac.abs().max_element(),
         };
         let [u, v] = eye_ray
