@@ -51,19 +51,19 @@ pub const CAUSES: [Explanation; 9] = [
     },
     Explanation {
         name: "shadow",
-        step: "lights that are blocked stop shining: S_L",
+        step: "lights that are blocked stop shining",
         text: "Local lighting cannot know that another object stands between a point and a light. The tracer sends a \
                shadow ray to each light and drops its diffuse and specular terms where the ray is blocked.",
     },
     Explanation {
         name: "reflection",
-        step: "mirrors show their surroundings: K_S I_R",
+        step: "mirrors show their surroundings",
         text: "A mirror's colour comes from elsewhere in the scene. The tracer follows the mirrored ray and adds what \
                it finds; the rasterizer shows the surface's own colour alone.",
     },
     Explanation {
         name: "refraction",
-        step: "transparent bodies show what lies behind, bent: K_T I_T",
+        step: "transparent bodies show what lies behind them",
         text: "The rasterizer draws a transparent surface as an opaque one. The tracer bends the ray by the ratio of \
                the indices of refraction, follows it, and adds what it finds.",
     },

@@ -7,8 +7,9 @@ use serde_json::{Map as Object, Value};
 use crate::error::Error;
 
 use super::causes::{ORDER, explanation, result};
+use super::equation::Term;
 use super::numbers::{count, duration, percent, value};
-use super::page::{Report, map_image};
+use super::page::{Report, label, legend, map_picture};
 use super::summary::{Cause, Summary};
 
 /// The result in a sentence or two.
@@ -91,7 +92,7 @@ fn shares(causes: &[Cause], pixels: usize) -> Markup {
                     tr {
                         th scope="col" { "cause" }
                         th scope="col" colspan="2" { "rmse" }
-                        th.number scope="col" { "at most" }
+                        th.number scope="col" { "max" }
                         th.number scope="col" { "pixels" }
                         th.number scope="col" { "share of pixels" }
                     }
@@ -121,7 +122,10 @@ fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Mark
     let known = explanation(&cause.name);
     let image = match cause.pixels {
         0 => html! { div.nothing { "no difference" } },
-        _ => map_image(map, &format!("Map of the step {sentence}"))?,
+        _ => html! {
+            (map_picture(map, &format!("Map of the step {sentence}"))?)
+            (legend(&map.scale))
+        },
     };
     // The heading names the cause, so the sentence need not.
     let numbers = sentence
@@ -129,7 +133,11 @@ fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Mark
         .unwrap_or(&sentence);
     Ok(html! {
         article {
-            h3 { span { (index + 1) } (cause.name) }
+            h3 {
+                span { (index + 1) }
+                (cause.name)
+                @if let Some(term) = Term::of_name(&cause.name) { span.symbol { (label(term)) } }
+            }
             (image)
             @if cause.pixels > 0 { p.result { (numbers) } }
             @if let Some(known) = known { p.why { (capital(known.step)) ". " (known.text) } }
