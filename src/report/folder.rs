@@ -8,13 +8,14 @@ use std::path::Path;
 
 use crate::error::Error;
 
-use super::causes::result;
+use super::causes::{explanation, figures};
 use super::figures::{Panel, buildup, map, strip};
 use super::files::{create_folder, write_bytes_atomic};
 use super::formats::{png, png_of_picture};
 use super::numbers::{count, percent, value};
 use super::page::Report;
 use super::picture::Picture;
+use super::sections::capital;
 
 /// What a signed map of the whole difference says below it.
 const DIFFERENCE_NOTE: &str = "trace − raster: orange where the traced picture is brighter, blue where it is darker; 1 = full intensity";
@@ -122,21 +123,26 @@ impl Report {
 
     /// The map of a cause with its legend and numbers; none where there is no such cause or map.
     pub fn cause_figure(&self, index: usize) -> Result<Option<Picture>, Error> {
-        let causes = self
+        let found = self
             .summary
             .causes
             .get(index)
             .zip(self.cause_maps.get(index));
-        let figure = |(cause, cause_map)| {
-            let picture = Picture::from_map(cause_map);
-            let note = result(cause, self.pixels());
-            map(Panel {
-                picture: &picture,
-                title: &cause.name,
-                note: &note,
-            })
+        let Some((cause, cause_map)) = found else {
+            return Ok(None);
         };
-        causes.map(figure).transpose()
+        let numbers = capital(&figures(cause, self.pixels()));
+        let note = match explanation(&cause.name) {
+            Some(known) => format!("{}. {numbers}", capital(known.step)),
+            None => numbers,
+        };
+        let picture = Picture::from_map(cause_map);
+        map(Panel {
+            picture: &picture,
+            title: &cause.name,
+            note: &note,
+        })
+        .map(Some)
     }
 
     /// The equation growing.

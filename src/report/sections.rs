@@ -6,7 +6,7 @@ use serde_json::{Map as Object, Value};
 
 use crate::error::Error;
 
-use super::causes::{ORDER, explanation, result};
+use super::causes::{ORDER, explanation, figures, result};
 use super::equation::Term;
 use super::numbers::{count, duration, percent, value};
 use super::page::{Report, label, legend, map_picture};
@@ -127,10 +127,6 @@ fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Mark
             (legend(&map.scale))
         },
     };
-    // The heading names the cause, so the sentence need not.
-    let numbers = sentence
-        .strip_prefix(&format!("{}: ", cause.name))
-        .unwrap_or(&sentence);
     Ok(html! {
         article {
             h3 {
@@ -139,14 +135,14 @@ fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Mark
                 @if let Some(term) = Term::of_name(&cause.name) { span.symbol { (label(term)) } }
             }
             (image)
-            @if cause.pixels > 0 { p.result { (numbers) } }
+            @if cause.pixels > 0 { p.result { (figures(cause, pixels)) } }
             @if let Some(known) = known { p.why { (capital(known.step)) ". " (known.text) } }
         }
     })
 }
 
 /// The sentence with a capital.
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars
         .next()
@@ -242,6 +238,14 @@ pub(super) fn numbers(report: &Report) -> Markup {
                     }
                 }
             }
+            (methods())
+        }
+    }
+}
+
+/// How each number was obtained.
+fn methods() -> Markup {
+    html! {
             h2 { "How each number was obtained" }
             dl {
                 dt { "causes" }
@@ -257,7 +261,6 @@ pub(super) fn numbers(report: &Report) -> Markup {
                 dt { "agreement" }
                 dd { "Rungs 3 and 4: more than 1/256 pixel away from triangle edges and from jumps of the model (spot cones, the specular gate, texel borders, coinciding surfaces)." }
             }
-        }
     }
 }
 
