@@ -3,6 +3,9 @@
 //! `raster.png trace.png difference.png side-by-side.png buildup.png terms/NN-NAME.png causes/NN-NAME.png summary.json
 //! index.html`. `layers.exr` is not among them: see [`super::layered::exr`]. Numbers count from 01 in the order of the
 //! sum (terms) and of the ladder (causes).
+//!
+//! Measured (2026-11, 640 x 480, 9 causes, 8 terms, one thread, optimised build with overflow checks): 0.95 s for all
+//! files, of which a PNG takes 0.04 s and 0.08 s with the sRGB transform; the page has 1 MB.
 
 use std::path::Path;
 

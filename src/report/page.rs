@@ -439,6 +439,34 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn one_pixel_and_no_lists_are_enough() {
+        let pixel = Plane::filled(1, 1, [0.5f32; 3]);
+        let map = signed_map(1, 1, &[[0.0; 3]], Reduction::Largest).unwrap();
+        let mut report = Report {
+            raster: pixel.clone(),
+            trace: pixel,
+            difference: map,
+            cause_maps: Vec::new(),
+            terms: Vec::new(),
+            buildup: Vec::new(),
+            notes: Vec::new(),
+            settings: Vec::new(),
+            ..example()
+        };
+        report.summary.size = [1, 1];
+        report.summary.causes.clear();
+        assert!(
+            report
+                .to_html()
+                .unwrap()
+                .contains("The two pictures are identical")
+        );
+        assert_eq!(report.files().unwrap().len(), 7);
+        report.raster.width = 2;
+        assert!(report.files().is_err());
+    }
+
+    #[test]
     fn a_cause_without_difference_shows_words_instead_of_a_map() {
         let html = example().to_html().unwrap();
         assert_eq!(html.matches("class=\"nothing\"").count(), 1); // clamping, in the example
