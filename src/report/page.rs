@@ -136,7 +136,7 @@ impl Report {
         Ok(html! {
             section {
                 h2 { "Two pictures of one scene" }
-                div.grid.three {
+                div.grid.triple {
                     figure {
                         (linear_image(&self.raster, self.view, &format!("The rasterized picture, {}", mean(&self.raster)))?)
                         figcaption { strong { "raster" } "OpenGL's fixed-function lighting: every surface on its own." }
