@@ -7,13 +7,12 @@ use rastray::decompose::{self, CAUSES, Ladder, decompose};
 use rastray::error::Error;
 use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
 use rastray::import::Imported;
+use rastray::report::Report;
 use rastray::report::equation::{Form, Term};
 use rastray::report::files::{self, View};
 use rastray::report::layered::{self, NamedLayer};
 use rastray::report::page::NamedPlane;
-use rastray::report::picture::Picture;
 use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
-use rastray::report::{Report, figures, formats};
 use rastray::scene::Scene;
 use rastray::scene::tessellate::DEFAULT_LEVEL;
 use rastray_compare::{Encoding, ImageView, Map, Reduction, metrics, signed_map, summarize};
@@ -21,17 +20,6 @@ use serde_json::{Value, json};
 
 use super::options::{Quality, Verbosity, apply};
 use super::{CompareArgs, PrecisionArg, commands};
-
-/// Everything that goes into the folder, with the way to write it.
-struct Folder<'a> {
-    path: PathBuf,
-    view: View,
-    verbosity: Verbosity,
-    imported: &'a Imported,
-    ladder: Ladder,
-    /// Option and value, as on the command line.
-    settings: Vec<(String, String)>,
-}
 
 pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
     let start = Instant::now();
@@ -57,20 +45,34 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
     } else {
         View::Linear
     };
-    let settings = settings(args, &imported.scene, &quality);
-    let folder = Folder {
-        path,
-        view,
-        verbosity,
+    let comparison = Comparison {
         imported: &imported,
-        ladder,
-        settings,
+        ladder: &ladder,
     };
-    let summary = folder.write(start, render_seconds)?;
+    let report = Report {
+        title: imported.scene.name.clone(),
+        command: command_line(),
+        form: comparison.form(),
+        view,
+        raster: to_f32(&ladder.rungs[0]),
+        trace: to_f32(&ladder.rungs[9]),
+        difference: signed(&ladder.total())?,
+        cause_maps: comparison.cause_maps()?,
+        terms: comparison.terms(),
+        buildup: comparison.buildup(),
+        summary: comparison.summary(start, render_seconds)?,
+        notes: imported.notes.clone(),
+        settings: settings(args, &imported.scene, &quality),
+    };
+    verbosity.step("figures and page");
+    files::create_folder(&path)?;
+    files::write_bytes_atomic(&path.join("layers.exr"), &comparison.layers(view)?)?;
+    report.write(&path)?;
+    verbosity.say(path.join("index.html").display());
     if args.json {
-        return commands::print(&summary);
+        let text = report.summary.to_json();
+        commands::print(&text.map_err(|e| Error::limit(format!("summary.json: {e}")))?)?;
     }
-    verbosity.say(folder.path.join("index.html").display());
     Ok(())
 }
 
@@ -94,141 +96,53 @@ fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
     plane.map(|c| c.map(|x| x as f32))
 }
 
-impl Folder<'_> {
-    fn write(&self, start: Instant, render_seconds: f64) -> Result<String, Error> {
-        for folder in [
-            self.path.clone(),
-            self.path.join("causes"),
-            self.path.join("terms"),
-        ] {
-            files::create_folder(&folder)?;
-        }
-        let raster = Picture::from_linear(&to_f32(&self.ladder.rungs[0]), self.view)?;
-        let trace = Picture::from_linear(&to_f32(&self.ladder.rungs[9]), self.view)?;
-        self.png("raster.png", &raster)?;
-        self.png("trace.png", &trace)?;
-        let difference = self.map(&self.ladder.total())?;
-        let picture = Picture::from_map(&difference);
-        self.difference(
-            "difference.png",
-            &picture,
-            "difference",
-            "trace minus raster",
-        )?;
-        self.png(
-            "side-by-side.png",
-            &side_by_side(&raster, &trace, &picture)?,
-        )?;
-        let cause_maps = self.causes()?;
-        let terms = self.terms()?;
-        let buildup = self.buildup()?;
-        self.layers()?;
-        let summary = self.summary(start, render_seconds)?;
-        let text = summary
-            .to_json()
-            .map_err(|e| Error::limit(format!("summary.json: {e}")))?;
-        self.bytes("summary.json", text.as_bytes())?;
-        let report = Report {
-            title: self.imported.scene.name.clone(),
-            command: command_line(),
-            form: self.form(),
-            view: self.view,
-            raster: to_f32(&self.ladder.rungs[0]),
-            trace: to_f32(&self.ladder.rungs[9]),
-            difference,
-            cause_maps,
-            terms,
-            buildup,
-            summary,
-            notes: self.imported.notes.clone(),
-            settings: self.settings.clone(),
-        };
-        self.bytes("index.html", report.to_html()?.as_bytes())?;
-        Ok(text)
+/// The signed map of a difference.
+fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+    let Plane {
+        width,
+        height,
+        data,
+    } = difference;
+    figure(signed_map(*width, *height, data, Reduction::Largest))
+}
+
+/// A scene and its ladder, on the way to a report.
+struct Comparison<'a> {
+    imported: &'a Imported,
+    ladder: &'a Ladder,
+}
+
+impl Comparison<'_> {
+    /// One map a cause, in ladder order.
+    fn cause_maps(&self) -> Result<Vec<Map>, Error> {
+        (0..CAUSES.len())
+            .map(|i| signed(&self.ladder.cause(i)))
+            .collect()
     }
 
-    fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        self.verbosity.step(name);
-        files::write_bytes_atomic(&self.path.join(name), bytes)
-    }
-
-    fn png(&self, name: &str, picture: &Picture) -> Result<(), Error> {
-        self.bytes(name, &formats::png_of_picture(picture)?)
-    }
-
-    /// A difference map with its legend.
-    fn difference(&self, name: &str, map: &Picture, title: &str, note: &str) -> Result<(), Error> {
-        self.png(
-            name,
-            &figures::map(figures::Panel {
-                picture: map,
-                title,
-                note,
-            })?,
-        )
-    }
-
-    fn map(&self, difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
-        let Plane {
-            width,
-            height,
-            data,
-        } = difference;
-        figure(signed_map(*width, *height, data, Reduction::Largest))
-    }
-
-    /// `causes/NN-NAME.png`, in ladder order.
-    fn causes(&self) -> Result<Vec<Map>, Error> {
-        let mut maps = Vec::new();
-        for (i, name) in CAUSES.iter().enumerate() {
-            let map = self.map(&self.ladder.cause(i))?;
-            let picture = Picture::from_map(&map);
-            let note = format!("step {} of {}", i + 1, CAUSES.len());
-            self.difference(
-                &format!("causes/{:02}-{name}.png", i + 1),
-                &picture,
-                name,
-                &note,
-            )?;
-            maps.push(map);
-        }
-        Ok(maps)
-    }
-
-    /// `terms/NN-NAME.png`: each layer of the traced picture.
-    fn terms(&self) -> Result<Vec<NamedPlane>, Error> {
+    /// Each layer of the traced picture; the remainder is rounding, not a term.
+    fn terms(&self) -> Vec<NamedPlane> {
         let layers = &self.ladder.trace_layers;
-        let mut terms = Vec::new();
-        for (i, (name, plane)) in layers.names.iter().zip(&layers.planes).enumerate() {
-            if name == "remainder" {
-                continue; // rounding, not a term
-            }
-            let picture = Picture::from_linear(plane, self.view)?;
-            self.png(&format!("terms/{i:02}-{}.png", file_name(name)), &picture)?;
-            terms.push(NamedPlane {
+        let named = layers
+            .names
+            .iter()
+            .zip(&layers.planes)
+            .filter(|(name, _)| *name != "remainder");
+        named
+            .map(|(name, plane)| NamedPlane {
                 name: name.clone(),
                 plane: plane.clone(),
-            });
-        }
-        Ok(terms)
+            })
+            .collect()
     }
 
-    /// `buildup.png`: the equation growing term by term: local terms of the primary hits, then shadows, mirror, refraction.
-    fn buildup(&self) -> Result<Vec<(Term, Plane<[f32; 3]>)>, Error> {
+    /// The equation growing term by term: local terms of the primary hits, then shadows, mirror, refraction.
+    fn buildup(&self) -> Vec<(Term, Plane<[f32; 3]>)> {
         let local = &self.ladder.local_layers;
         let lights = self.imported.scene.enabled_lights().count();
-        let mut pictures = Vec::new();
-        for kinds in 0..4 {
-            pictures.push(partial_sum(local, lights, kinds));
-        }
-        pictures.extend([6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung])));
-        let small = pictures
-            .iter()
-            .map(|plane| Picture::from_linear(plane, self.view))
-            .collect::<Result<Vec<_>, _>>()?;
-        let steps: Vec<(Term, &Picture)> = Term::ALL.into_iter().zip(&small).collect();
-        self.png("buildup.png", &figures::buildup(&steps, self.form())?)?;
-        Ok(Term::ALL.into_iter().zip(pictures).collect())
+        let sums = (0..4).map(|kinds| partial_sum(local, lights, kinds));
+        let traced = [6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung]));
+        Term::ALL.into_iter().zip(sums.chain(traced)).collect()
     }
 
     /// How this scene writes the equation: its specular form, and whether every mirror weight is K_S.
@@ -242,22 +156,11 @@ impl Folder<'_> {
     }
 
     /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.
-    fn layers(&self) -> Result<(), Error> {
-        let ladder = &self.ladder;
-        let named = |prefix: &str, layers| -> Vec<NamedLayer<'_>> {
-            let layers: &Layers<f32> = layers;
-            let pairs = layers.names.iter().zip(&layers.planes);
-            pairs
-                .map(|(n, plane)| NamedLayer {
-                    name: format!("{prefix}{n}"),
-                    plane,
-                })
-                .collect()
-        };
+    fn layers(&self, view: View) -> Result<Vec<u8>, Error> {
+        let ladder = self.ladder;
         let mut all = named("", &ladder.trace_layers);
         all.extend(named("raster.", &ladder.raster_layers));
-        let bytes = layered::exr(Some(&ladder.trace_color), self.view, &all)?;
-        self.bytes("layers.exr", &bytes)
+        layered::exr(Some(&ladder.trace_color), view, &all)
     }
 
     fn summary(&self, start: Instant, render_seconds: f64) -> Result<Summary, Error> {
@@ -342,18 +245,6 @@ fn settings(args: &CompareArgs, scene: &Scene, quality: &Quality) -> Vec<(String
     pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
 }
 
-/// Layer names hold dots and the user's words; file names keep letters, digits, dots and dashes.
-fn file_name(layer: &str) -> String {
-    let safe = |c: char| {
-        if c.is_alphanumeric() || c == '.' || c == '-' {
-            c
-        } else {
-            '_'
-        }
-    };
-    layer.chars().map(safe).collect()
-}
-
 /// The picture with emission, then ambient, then diffuse, then specular (`kinds` = 0 to 3), in the stated order.
 fn partial_sum(layers: &Layers<f32>, lights: usize, kinds: usize) -> Plane<[f32; 3]> {
     let index = LayerIndex { lights };
@@ -377,24 +268,15 @@ fn partial_sum(layers: &Layers<f32>, lights: usize, kinds: usize) -> Plane<[f32;
     }
 }
 
-fn side_by_side(raster: &Picture, trace: &Picture, map: &Picture) -> Result<Picture, Error> {
-    figures::strip(&[
-        figures::Panel {
-            picture: raster,
-            title: "raster",
-            note: "OpenGL: local illumination",
-        },
-        figures::Panel {
-            picture: trace,
-            title: "trace",
-            note: "Whitted: global illumination",
-        },
-        figures::Panel {
-            picture: map,
-            title: "difference",
-            note: "trace minus raster",
-        },
-    ])
+/// The layers with a prefix to their names.
+fn named<'a>(prefix: &str, layers: &'a Layers<f32>) -> Vec<NamedLayer<'a>> {
+    let pairs = layers.names.iter().zip(&layers.planes);
+    pairs
+        .map(|(name, plane)| NamedLayer {
+            name: format!("{prefix}{name}"),
+            plane,
+        })
+        .collect()
 }
 
 fn counters(ladder: &Ladder) -> serde_json::Map<String, Value> {
