@@ -134,28 +134,9 @@ impl Default for CaseMaterial {
     }
 }
 
-/// The GL cases hold decimals of f32 numbers: the number meant is the nearest f32. Others are taken as they are.
-#[derive(Clone, Copy)]
-enum Reading {
-    F32,
-    F64,
-}
-
-impl Reading {
-    fn one(self, x: f64) -> f64 {
-        match self {
-            Self::F32 => f64::from(x as f32),
-            Self::F64 => x,
-        }
-    }
-
-    fn all<const N: usize>(self, list: [f64; N]) -> [f64; N] {
-        list.map(|x| self.one(x))
-    }
-
-    fn rgb(self, list: &[f64]) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.one(list.get(c).copied().unwrap_or(0.0)))
-    }
+/// Red, green, blue of a colour with three or four components.
+fn rgb(list: &[f64]) -> [f64; 3] {
+    [0, 1, 2].map(|c| list.get(c).copied().unwrap_or(0.0))
 }
 
 /// Everything the equation needs, in eye space.
@@ -169,7 +150,7 @@ struct Prepared<R> {
 /// Answers a line of `gl-lights`.
 pub(crate) fn answer<R: Real>(line: &str) -> Result<Value, Failure> {
     let case: Case = serde_json::from_str(line)?;
-    let prepared = prepare::<R>(&case, Reading::F32)?;
+    let prepared = prepare::<R>(&case)?;
     let (primary, secondary) = prepared.split(None);
     let sum = |a: [R; 3], b: [R; 3]| [0, 1, 2].map(|c| a[c] + b[c]);
     let clamped = clamp_rgb(sum(clamp_rgb(primary), clamp_rgb(secondary)));
@@ -190,7 +171,7 @@ pub(crate) fn answer<R: Real>(line: &str) -> Result<Value, Failure> {
 /// Answers a line of `lighting`: every term, in f64.
 pub(crate) fn terms(line: &str) -> Result<Value, Failure> {
     let case: Case = serde_json::from_str(line)?;
-    let prepared = prepare::<f64>(&case, Reading::F64)?;
+    let prepared = prepare::<f64>(&case)?;
     let mut given = Given(&case.shadow);
     let (primary, secondary) = prepared.split(Some(&mut given));
     let mut layers = Vec::new();
@@ -266,9 +247,9 @@ impl Visibility<f64> for Given<'_> {
 }
 
 /// Transforms the vertex, its normal and the lights to eye space and picks the face.
-fn prepare<R: Real>(case: &Case, reading: Reading) -> Result<Prepared<R>, Failure> {
-    let eye_from_object = DMat4::from_cols_array(&reading.all(case.modelview));
-    let eye_from_light = DMat4::from_cols_array(&reading.all(case.light_modelview));
+fn prepare<R: Real>(case: &Case) -> Result<Prepared<R>, Failure> {
+    let eye_from_object = DMat4::from_cols_array(&case.modelview);
+    let eye_from_light = DMat4::from_cols_array(&case.light_modelview);
     let specular_model = match case.form.as_deref() {
         None | Some("opengl") => SpecularModel::HalfVector,
         Some("lecture") => SpecularModel::Reflection,
@@ -277,7 +258,7 @@ fn prepare<R: Real>(case: &Case, reading: Reading) -> Result<Prepared<R>, Failur
         }
     };
     let model = LightModel {
-        ambient: reading.rgb(&case.scene_ambient),
+        ambient: rgb(&case.scene_ambient),
         local_viewer: case.local_viewer,
         two_sided: case.two_side,
         color_control: if case.separate_specular {
@@ -292,19 +273,19 @@ fn prepare<R: Real>(case: &Case, reading: Reading) -> Result<Prepared<R>, Failur
     let lights: Vec<LightSource> = case
         .lights
         .iter()
-        .map(|light| to_eye(light, &eye_from_light, reading))
+        .map(|light| to_eye(light, &eye_from_light))
         .collect();
     let back = case.two_side && case.face == "back";
-    let material = material(case, back, reading)?;
+    let material = material(case, back)?;
     // Position: divided by w. Normal: inverse transpose, unit length and the length it enters with.
-    let eye = eye_from_object * DVec4::from_array(reading.all(case.vertex));
+    let eye = eye_from_object * DVec4::from_array(case.vertex);
     let position = (eye.truncate() / eye.w).to_array().map(R::from_f64);
     let linear = DMat3::from_mat4(eye_from_object);
     let place = DAffine3 {
         matrix3: linear,
         translation: DVec3::ZERO,
     };
-    let raw = normal_matrix(&place) * DVec3::from_array(reading.all(case.normal));
+    let raw = normal_matrix(&place) * DVec3::from_array(case.normal);
     let (unit, length) = normalize(raw.to_array());
     let unit = if back { unit.map(|x| -x) } else { unit };
     let mut points = Points::default();
@@ -353,50 +334,50 @@ pub(crate) fn signed(lights: &[LightSource], materials: &[&Material], model: &Li
     scene.has_negative_colors()
 }
 
-fn to_eye(light: &CaseLight, eye_from_light: &DMat4, reading: Reading) -> LightSource {
-    let position = *eye_from_light * DVec4::from_array(reading.all(light.position));
+fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
+    let position = *eye_from_light * DVec4::from_array(light.position);
     let spot =
-        DMat3::from_mat4(*eye_from_light) * DVec3::from_array(reading.all(light.spot_direction));
+        DMat3::from_mat4(*eye_from_light) * DVec3::from_array(light.spot_direction);
     LightSource {
-        ambient: reading.rgb(&light.ambient),
-        diffuse: reading.rgb(&light.diffuse),
-        specular: reading.rgb(&light.specular),
+        ambient: rgb(&light.ambient),
+        diffuse: rgb(&light.diffuse),
+        specular: rgb(&light.specular),
         position: position.to_array(),
         spot_direction: spot.to_array(),
-        spot_exponent: reading.one(light.spot_exponent),
-        spot_cutoff_deg: reading.one(light.spot_cutoff),
-        attenuation: reading.all(light.attenuation),
+        spot_exponent: light.spot_exponent,
+        spot_cutoff_deg: light.spot_cutoff,
+        attenuation: light.attenuation,
     }
 }
 
 /// The material of the visible face, after GL_COLOR_MATERIAL (GL 2.1 section 2.14.3).
-fn material(case: &Case, back: bool, reading: Reading) -> Result<Material, Failure> {
+fn material(case: &Case, back: bool) -> Result<Material, Failure> {
     let given = match &case.back_material {
         Some(given) if back => given,
         _ => &case.material,
     };
     let mut material = Material {
-        emission: reading.rgb(&given.emission),
-        ambient: reading.rgb(&given.ambient),
-        diffuse: reading.rgb(&given.diffuse),
-        specular: reading.rgb(&given.specular),
-        alpha: reading.one(given.diffuse.get(3).copied().unwrap_or(1.0)),
-        shininess: reading.one(given.shininess),
+        emission: rgb(&given.emission),
+        ambient: rgb(&given.ambient),
+        diffuse: rgb(&given.diffuse),
+        specular: rgb(&given.specular),
+        alpha: given.diffuse.get(3).copied().unwrap_or(1.0),
+        shininess: given.shininess,
     };
     let Some(tracking) = &case.color_material else {
         return Ok(material);
     };
     let side = if back { "back" } else { "front" };
     if tracking.face == side || tracking.face == "front_and_back" {
-        let rgb = reading.rgb(&case.color);
-        let alpha = reading.one(case.color[3]);
+        let color = rgb(&case.color);
+        let alpha = case.color[3];
         match tracking.mode.as_str() {
-            "emission" => material.emission = rgb,
-            "ambient" => material.ambient = rgb,
-            "diffuse" => (material.diffuse, material.alpha) = (rgb, alpha),
-            "specular" => material.specular = rgb,
+            "emission" => material.emission = color,
+            "ambient" => material.ambient = color,
+            "diffuse" => (material.diffuse, material.alpha) = (color, alpha),
+            "specular" => material.specular = color,
             "ambient_and_diffuse" => {
-                (material.ambient, material.diffuse, material.alpha) = (rgb, rgb, alpha);
+                (material.ambient, material.diffuse, material.alpha) = (color, color, alpha);
             }
             other => return Err(format!("color_material: unknown mode {other:?}").into()),
         }
