@@ -141,6 +141,7 @@ fn rgb(list: &[f64]) -> [f64; 3] {
 
 /// Everything the equation needs, in eye space.
 struct Prepared<R> {
+    isa: Isa,
     rig: Rig<R>,
     material: Material,
     points: Points<R>,
@@ -149,8 +150,13 @@ struct Prepared<R> {
 
 /// Answers a line of `gl-lights`.
 pub(crate) fn answer<R: Real>(line: &str) -> Result<Value, Failure> {
+    answer_at::<R>(Isa::detect(), line)
+}
+
+/// Answers a line of `gl-lights` at an instruction set.
+pub(crate) fn answer_at<R: Real>(isa: Isa, line: &str) -> Result<Value, Failure> {
     let case: Case = serde_json::from_str(line)?;
-    let prepared = prepare::<R>(&case)?;
+    let prepared = prepare::<R>(isa, &case)?;
     let (primary, secondary) = prepared.split(None);
     let sum = |a: [R; 3], b: [R; 3]| [0, 1, 2].map(|c| a[c] + b[c]);
     let clamped = clamp_rgb(sum(clamp_rgb(primary), clamp_rgb(secondary)));
@@ -171,7 +177,7 @@ pub(crate) fn answer<R: Real>(line: &str) -> Result<Value, Failure> {
 /// Answers a line of `lighting`: every term, in f64.
 pub(crate) fn terms(line: &str) -> Result<Value, Failure> {
     let case: Case = serde_json::from_str(line)?;
-    let prepared = prepare::<f64>(&case)?;
+    let prepared = prepare::<f64>(Isa::detect(), &case)?;
     let mut given = Given(&case.shadow);
     let (primary, secondary) = prepared.split(Some(&mut given));
     let mut layers = Vec::new();
@@ -203,20 +209,13 @@ pub(crate) fn terms(line: &str) -> Result<Value, Failure> {
 impl<R: Real> Prepared<R> {
     fn shade(&self, visibility: Option<&mut dyn Visibility<R>>, sink: Sink<'_, R>) {
         let Self {
+            isa,
             rig,
             material,
             points,
             signed,
         } = self;
-        shade(
-            Isa::detect(),
-            rig,
-            material,
-            points,
-            visibility,
-            *signed,
-            sink,
-        );
+        shade(*isa, rig, material, points, visibility, *signed, sink);
     }
 
     /// GL's primary and secondary colour, unclamped.
@@ -247,7 +246,7 @@ impl Visibility<f64> for Given<'_> {
 }
 
 /// Transforms the vertex, its normal and the lights to eye space and picks the face.
-fn prepare<R: Real>(case: &Case) -> Result<Prepared<R>, Failure> {
+fn prepare<R: Real>(isa: Isa, case: &Case) -> Result<Prepared<R>, Failure> {
     let eye_from_object = DMat4::from_cols_array(&case.modelview);
     let eye_from_light = DMat4::from_cols_array(&case.light_modelview);
     let specular_model = match case.form.as_deref() {
@@ -300,6 +299,7 @@ fn prepare<R: Real>(case: &Case) -> Result<Prepared<R>, Failure> {
         points.normal_length.push(R::from_f64(length * factor));
     }
     Ok(Prepared {
+        isa,
         signed: signed(&lights, &[&material], &model),
         rig: Rig::new(&lights, &model),
         material,
@@ -336,8 +336,7 @@ pub(crate) fn signed(lights: &[LightSource], materials: &[&Material], model: &Li
 
 fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
     let position = *eye_from_light * DVec4::from_array(light.position);
-    let spot =
-        DMat3::from_mat4(*eye_from_light) * DVec3::from_array(light.spot_direction);
+    let spot = DMat3::from_mat4(*eye_from_light) * DVec3::from_array(light.spot_direction);
     LightSource {
         ambient: rgb(&light.ambient),
         diffuse: rgb(&light.diffuse),

@@ -58,8 +58,7 @@ pub(crate) fn answer<R: Real>(text: &str, out: &mut impl Write) -> Result<(), Fa
     for case in cases.into_iter().filter(|case| case.kind == "light") {
         let mut list = Vec::new();
         for evaluation in case.evals {
-            let evaluation: Evaluation = serde_json::from_value(evaluation)?;
-            let rgb = light::<R>(&evaluation).map(|x| number(x.to_f64()));
+            let rgb = light::<R>(Isa::detect(), evaluation)?.map(number);
             list.push(serde_json::json!({ "rgb": rgb }));
         }
         answers.insert(case.id, list.into());
@@ -68,7 +67,9 @@ pub(crate) fn answer<R: Real>(text: &str, out: &mut impl Write) -> Result<(), Fa
     Ok(())
 }
 
-fn light<R: Real>(case: &Evaluation) -> [R; 3] {
+/// One evaluation at an instruction set.
+pub(crate) fn light<R: Real>(isa: Isa, case: serde_json::Value) -> Result<[f64; 3], Failure> {
+    let case: Evaluation = serde_json::from_value(case)?;
     let material = Material {
         emission: case.material.emission,
         ambient: case.material.ambient,
@@ -92,8 +93,8 @@ fn light<R: Real>(case: &Evaluation) -> [R; 3] {
     let rig = Rig::new(&lights, &model);
     let signed = super::gl_lights::signed(&lights, &[&material], &model);
     let sink = Sink::Sum(&mut out);
-    shade(Isa::detect(), &rig, &material, &points, None, signed, sink);
-    [out[0][0], out[1][0], out[2][0]]
+    shade(isa, &rig, &material, &points, None, signed, sink);
+    Ok(out.map(|list| list[0].to_f64()))
 }
 
 fn source(light: &CaseLight) -> LightSource {
