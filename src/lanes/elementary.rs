@@ -248,7 +248,7 @@ pub(crate) mod tests {
         const DIGITS: usize = 128;
         let mut consts = Consts::new().expect("constants cache");
         // (found - exact) in units of the last place, with the exact value as a sum of two f64.
-        let mut ulps = |found: f64, exact: BigFloat| {
+        let ulps = |found: f64, exact: BigFloat| {
             let difference =
                 BigFloat::from_f64(found, DIGITS).sub(&exact, DIGITS, RoundingMode::ToEven);
             let ulp = found.abs().next_up() - found.abs();

@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn emulated_fma_is_one_rounding() {
         let mut random = Random(7);
-        let mut check = |a: f32, b: f32, c: f32| {
+        let check = |a: f32, b: f32, c: f32| {
             let expected = libm::fmaf(a, b, c);
             let found = fma_through_f64(a, b, c);
             assert!(

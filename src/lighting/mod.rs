@@ -595,3 +595,6 @@ fn finite<R: Real>(x: f64) -> R {
     }
     R::from_f64(x.clamp(-most, most)) + R::ZERO
 }
+
+#[cfg(test)]
+mod tests;
