@@ -6,7 +6,10 @@ pub(crate) fn closest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known
         .iter()
         .map(|k| (strsim::jaro_winkler(&wanted, &k.to_lowercase()), *k))
-        .filter(|(score, k)| *score > 0.8 || strsim::osa_distance(name, k) <= 2 && k.len() > 3)
+        .filter(|(score, k)| {
+            let edits = strsim::osa_distance(&wanted, &k.to_lowercase());
+            *score > 0.8 || edits <= 1 || edits == 2 && k.len() > 4
+        })
         .reduce(|best, x| if x.0 > best.0 { x } else { best })
         .map(|(_, k)| k)
 }
@@ -16,7 +19,8 @@ pub(crate) fn advice(name: &str, known: &[&str]) -> Option<String> {
     match closest(name, known) {
         Some(near) => Some(format!("did you mean `{near}`?")),
         None if known.is_empty() => None,
-        None if known.len() <= 24 => Some(format!("there is {}", list(known, "and"))),
+        None if known.len() == 1 => Some(format!("there is {}", list(known, "and"))),
+        None if known.len() <= 24 => Some(format!("there are {}", list(known, "and"))),
         None => Some(format!("there are {} names", known.len())),
     }
 }
@@ -43,6 +47,7 @@ mod tests {
         assert_eq!(closest("shinyness", &known), Some("shininess"));
         assert_eq!(closest("Specular", &known), Some("specular"));
         assert_eq!(closest("zebra", &known), None);
+        assert_eq!(closest("rde", &["red", "blue"]), Some("red"));
         assert_eq!(list(&known, "or"), "`shininess`, `specular` or `diffuse`");
     }
 }

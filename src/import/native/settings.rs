@@ -198,18 +198,15 @@ impl<'a> Reader<'a> {
         let refuse = |key: &str, message: String| {
             Err(match section {
                 Some(section) if section.has(key) => section.error_at(key, message),
-                Some(section) => section.error(message),
-                None => Error::input(self.document.whole(), format!("camera: {message}")),
+                Some(section) => section.error(format!("{key}: {message}")),
+                None => Error::input(self.document.whole(), format!("camera: {key}: {message}")),
             })
         };
         let view = camera.target - camera.eye;
         let (forward, distance) = normalize(view.to_array());
         if camera.target == camera.eye {
             let [x, y, z] = camera.eye.to_array();
-            return refuse(
-                "target",
-                format!("eye and target are the same point, [{x}, {y}, {z}]"),
-            );
+            return refuse("target", format!("the same point as eye, [{x}, {y}, {z}]"));
         }
         if !view.length_squared().is_normal() {
             let message = format!("the distance {distance:e} from the eye is out of range");
@@ -224,7 +221,7 @@ impl<'a> Reader<'a> {
             .length();
         if sine.is_nan() || sine < LEAST_SINE {
             let [x, y, z] = camera.up.to_array();
-            let message = format!("up [{x}, {y}, {z}] is parallel to the view from eye to target");
+            let message = format!("[{x}, {y}, {z}] is parallel to the view from eye to target");
             return refuse("up", message);
         }
         Ok(())
