@@ -17,25 +17,25 @@ use rastray::error::Error;
 use rastray::import::{Imported, LoadOptions, load, shipped};
 use rastray::scene::{Geometry, Mesh, Scene};
 
-fn load_with(path: &Path, sets: &[&str]) -> Result<Imported, Error> {
+fn load_with(path: &Path, sets: &[&str]) -> Result<Imported, Box<Error>> {
     let sets = sets.iter().map(|s| s.to_string()).collect();
-    load(path.to_str().unwrap(), &LoadOptions { sets })
+    Ok(load(path.to_str().unwrap(), &LoadOptions { sets })?)
 }
 
 /// Loads a text as a file of this name, in a folder of its own.
-fn load_text(file: &str, text: impl AsRef<[u8]>, sets: &[&str]) -> Result<Imported, Error> {
+fn load_text(file: &str, text: impl AsRef<[u8]>, sets: &[&str]) -> Result<Imported, Box<Error>> {
     load_files(&[(file, text.as_ref())], sets)
 }
 
 /// Writes the files to a folder of their own and loads the first.
-fn load_files(files: &[(&str, &[u8])], sets: &[&str]) -> Result<Imported, Error> {
+fn load_files(files: &[(&str, &[u8])], sets: &[&str]) -> Result<Imported, Box<Error>> {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in files {
         std::fs::write(folder.path().join(name), bytes).unwrap();
     }
     load_with(&folder.path().join(files[0].0), sets).map_err(|mut error| {
         // The folder's name is new each time.
-        if let Error::Input { message, .. } = &mut error {
+        if let Error::Input { message, .. } = &mut *error {
             *message = message.replace(&format!("{}/", folder.path().display()), "");
         }
         error
@@ -47,10 +47,10 @@ fn scene(text: &str) -> Scene {
 }
 
 /// An error as "line:column message" (or "message" where it has no line), and its help.
-fn failure(result: Result<Imported, Error>) -> (String, String) {
-    let error = result.err().expect("an error");
+fn failure(result: Result<Imported, Box<Error>>) -> (String, String) {
+    let error = result.expect_err("an error");
     let help = error.help().unwrap_or_default().to_owned();
-    let message = match &error {
+    let message = match &*error {
         Error::Input { message, .. }
         | Error::Unsupported { message, .. }
         | Error::Parameter { message, .. }
@@ -100,12 +100,13 @@ fn shipped_scenes_load() {
 
 #[test]
 fn an_existing_file_wins_over_a_shipped_name() {
-    let (message, help) = failure(load("whited", &LoadOptions::default()));
+    let (message, help) = failure(load("whited", &LoadOptions::default()).map_err(Box::new));
     assert_eq!(
         message,
         "there is no file `whited`, and no shipped scene of that name"
     );
     assert_eq!(help, "did you mean `whitted`?");
-    let (_, help) = failure(load("nothing/like/it.toml", &LoadOptions::default()));
+    let (_, help) =
+        failure(load("nothing/like/it.toml", &LoadOptions::default()).map_err(Box::new));
     assert!(help.starts_with("shipped scenes: `whitted`"), "{help}");
 }

@@ -1,5 +1,7 @@
 //! "Did you mean": the nearest of the known names.
 
+use crate::error::Error;
+
 /// The known name that a misspelt one most likely means.
 pub(crate) fn closest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let wanted = name.to_lowercase();
@@ -22,6 +24,22 @@ pub(crate) fn advice(name: &str, known: &[&str]) -> Option<String> {
         None if known.len() == 1 => Some(format!("there is {}", list(known, "and"))),
         None if known.len() <= 24 => Some(format!("there are {}", list(known, "and"))),
         None => Some(format!("there are {} names", known.len())),
+    }
+}
+
+/// The error with [`advice`] where there is some.
+pub(crate) fn with_advice(error: Error, name: &str, known: &[&str]) -> Error {
+    match advice(name, known) {
+        Some(advice) => error.with_help(advice),
+        None => error,
+    }
+}
+
+/// The error with the nearest known name, for messages that list the names already.
+pub(crate) fn with_closest(error: Error, name: &str, known: &[&str]) -> Error {
+    match closest(name, known) {
+        Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        None => error,
     }
 }
 
