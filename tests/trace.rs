@@ -14,7 +14,9 @@ use rastray::scene::{
     Camera, Fresnel, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics,
     Projection, Scene, Shadow, Shape, Tir,
 };
-use rastray::trace::bvh::Walker;
+use rastray::trace::build::Bounds;
+use rastray::trace::bvh::{Bvh, Walker};
+use rastray::trace::planar::Shear;
 use rastray::trace::ray::Ray;
 use rastray::trace::{Counters, Geometry, Options, Plan};
 use std::sync::Arc;
@@ -1004,6 +1006,60 @@ fn hierarchy_equals_brute_force<R: Real>(rays: usize) {
     assert!(found > rays / 10 && found < rays * 9 / 10, "{found}");
 }
 
+/// Width, leaf size and order of the hierarchy change no answer (NUMERICS T4).
+fn any_shape_of_hierarchy<const W: usize>(
+    triangles: &[[DVec3; 3]],
+    rays: &[Ray],
+) -> Vec<Option<(f64, usize)>> {
+    let mut answers = Vec::new();
+    for max_leaf in [1, 4, 40] {
+        let bounds: Vec<_> = triangles.iter().map(|t| Bounds::of(*t)).collect();
+        let (bvh, order) = Bvh::<W>::build_with(&bounds, max_leaf);
+        let mut walker = Walker::default();
+        let closest = |ray: &Ray| {
+            let shear = Shear::new(ray.origin, ray.direction)?;
+            let mut best: Option<(f64, usize)> = None;
+            bvh.traverse(ray, &mut walker, |slot, t_max| {
+                let index = order[slot] as usize;
+                let corners = triangles[index].map(|p| p.to_array());
+                if let Some(hit) = shear.triangle(corners)
+                    && hit.t >= ray.t_min
+                    && hit.t <= *t_max
+                    && best.is_none_or(|(t, i)| hit.t < t || index < i)
+                {
+                    best = Some((hit.t, index));
+                    *t_max = hit.t;
+                }
+                false
+            });
+            best
+        };
+        let found: Vec<_> = rays.iter().map(closest).collect();
+        assert!(
+            answers.is_empty() || answers == found,
+            "width {W}, leaves of {max_leaf}"
+        );
+        answers = found;
+    }
+    answers
+}
+
+#[test]
+fn widths_and_leaf_sizes_change_no_answer() {
+    let mut random = Random(11);
+    let triangles: Vec<_> = (0..500)
+        .map(|_| {
+            let base = (random.point() * 8.0).round() / 4.0;
+            [0; 3].map(|_| base + (random.point() * 4.0).round() / 4.0)
+        })
+        .collect();
+    let rays: Vec<_> = (0..20_000).map(|i| random_ray(&mut random, i)).collect();
+    let expected = any_shape_of_hierarchy::<8>(&triangles, &rays);
+    assert!(expected.iter().flatten().count() > 5000);
+    assert_eq!(any_shape_of_hierarchy::<2>(&triangles, &rays), expected);
+    assert_eq!(any_shape_of_hierarchy::<4>(&triangles, &rays), expected);
+}
+
 #[test]
 fn the_hierarchy_equals_brute_force_in_f32() {
     hierarchy_equals_brute_force::<f32>(100_000);
@@ -1100,7 +1156,7 @@ mod numerics {
     use super::*;
     use rastray::trace::exact::{Twofold, unit};
     use rastray::trace::optics::{Transmission, reflect, refract};
-    use rastray::trace::planar::{Shear, normal, precise_weights};
+    use rastray::trace::planar::{normal, precise_weights};
     use rastray::trace::sphere::roots;
     use serde_json::Value;
     use std::collections::BTreeMap;
@@ -1380,6 +1436,19 @@ mod numerics {
                         ..Mesh::default()
                     };
                     add_mesh(&mut scene, mesh, m);
+                }
+                // An infinite plane stands as a patch that reaches far beyond everything else, if its corners are exact.
+                "plane" if vector(&shape["n"]) == DVec3::Y => {
+                    let reach = vector(&eval["o"]).abs() + vector(&eval["light"]).abs();
+                    let (_, side) = reach.max_element().power_of_two_scale();
+                    let side = side * 1024.0;
+                    let patch = Shape::Patch {
+                        corner: vector(&shape["p"]) - v(side, 0.0, side),
+                        edge_u: v(0.0, 0.0, 2.0 * side),
+                        edge_v: v(2.0 * side, 0.0, 0.0),
+                        tiles: [1, 1],
+                    };
+                    add(&mut scene, patch, &[m]);
                 }
                 _ => {
                     errors.skipped += 1;

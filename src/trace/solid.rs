@@ -194,7 +194,11 @@ impl Solid {
                 let (o, d) = self.ray_object(ray);
                 let mut p = (o + hit.t * d).clamp(*min, *max).to_array();
                 let axis = (hit.feature / 2) as usize % 3;
-                let bound = if hit.feature % 2 == 0 { min } else { max };
+                let bound = if hit.feature.is_multiple_of(2) {
+                    min
+                } else {
+                    max
+                };
                 p[axis] = bound.to_array()[axis];
                 let foot = Foot {
                     point: self.place.transform_point3(DVec3::from_array(p)),
