@@ -85,7 +85,7 @@ impl<R: Real> Frame<R> {
 /// Summing them in this order, starting from +0, gives the unclamped picture bit for bit: with additions in `R` where
 /// every colour of the scene is non-negative, in f64 rounded once where some are negative (`signed`).
 /// The remainder is +0 for one sample and per-fragment lighting.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers<R> {
     /// Names in order: `emission`, `ambient`, then for each light `ambient.NAME`, `diffuse.NAME`, `specular.NAME`,
     /// then `reflection`, `refraction`, `remainder`.
@@ -152,6 +152,20 @@ impl<R: Real> Layers<R> {
             names,
             planes,
             signed,
+        }
+    }
+
+    /// The layers as files hold them.
+    pub fn to_f32(&self) -> Layers<f32> {
+        let planes = self
+            .planes
+            .iter()
+            .map(|plane| plane.map(|c| c.map(Real::to_f32)))
+            .collect();
+        Layers {
+            names: self.names.clone(),
+            planes,
+            signed: self.signed,
         }
     }
 

@@ -65,6 +65,14 @@ pub enum ColorControl {
     SeparateSpecular,
 }
 
+impl ColorControl {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("single", Self::Single),
+        ("separate", Self::SeparateSpecular),
+    ];
+}
+
 /// Which vectors the specular term compares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpecularModel {
@@ -73,6 +81,16 @@ pub enum SpecularModel {
     HalfVector,
     /// (V.R)^n with the mirrored light direction R, the lecture's form (Phong).
     Reflection,
+}
+
+impl SpecularModel {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("half-vector", Self::HalfVector),
+        ("reflection", Self::Reflection),
+        ("blinn", Self::HalfVector),
+        ("phong", Self::Reflection),
+    ];
 }
 
 /// How a triangle gets its colour (GL 2.1 section 2.14.7; per-fragment is this program's addition).
@@ -85,6 +103,17 @@ pub enum ShadeModel {
     Gouraud,
     /// Per fragment with interpolated position and renormalised normal ("Phong shading").
     Phong,
+}
+
+impl ShadeModel {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("flat", Self::Flat),
+        ("gouraud", Self::Gouraud),
+        ("phong", Self::Phong),
+        ("per-vertex", Self::Gouraud),
+        ("per-pixel", Self::Phong),
+    ];
 }
 
 /// The light model (GL 2.1 table 2.10, and GL_NORMALIZE and GL_RESCALE_NORMAL of section 2.11.3).

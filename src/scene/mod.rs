@@ -5,6 +5,7 @@
 
 pub mod assembly;
 pub mod camera;
+pub mod fit;
 pub mod optics;
 pub mod requirements;
 pub mod shape;
@@ -61,6 +62,15 @@ pub enum Cull {
     Front,
 }
 
+impl Cull {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("none", Self::None),
+        ("back", Self::Back),
+        ("front", Self::Front),
+    ];
+}
+
 /// Which winding in the window, y up, is the front (GL_FRONT_FACE).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrontFace {
@@ -69,6 +79,11 @@ pub enum FrontFace {
     Ccw,
     /// Clockwise.
     Cw,
+}
+
+impl FrontFace {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[("ccw", Self::Ccw), ("cw", Self::Cw)];
 }
 
 /// The grid that vertices snap to before coverage.
@@ -128,6 +143,12 @@ pub enum Shadow {
     Filtered,
 }
 
+impl Shadow {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] =
+        &[("opaque", Self::Opaque), ("filtered", Self::Filtered)];
+}
+
 /// What happens where total internal reflection leaves no transmitted ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tir {
@@ -136,6 +157,11 @@ pub enum Tir {
     None,
     /// The K_T weight is reflected.
     Reflect,
+}
+
+impl Tir {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[("none", Self::None), ("reflect", Self::Reflect)];
 }
 
 /// `[trace]`: how the tracer recurses.
@@ -170,6 +196,11 @@ pub enum LightSpace {
     World,
     /// Eye space: the light moves with the camera.
     Eye,
+}
+
+impl LightSpace {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[("world", Self::World), ("eye", Self::Eye)];
 }
 
 /// A named light source.

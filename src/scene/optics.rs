@@ -14,6 +14,15 @@ pub enum Fresnel {
     Schlick,
 }
 
+impl Fresnel {
+    /// The one table of names: command line, scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("off", Self::Off),
+        ("dielectric", Self::Dielectric),
+        ("schlick", Self::Schlick),
+    ];
+}
+
 /// Mirror weight, transmission and index of refraction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {

@@ -51,6 +51,7 @@ use crate::lanes::{Isa, Real};
 use crate::lighting::Rig;
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
+use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
 use shadow::{Lamp, lamps};
 use tile::{Area, TileFrame};
@@ -179,6 +180,8 @@ pub struct Plan<'a, R> {
     /// The enabled lights: places in the world, and GL parameters in eye space.
     lamps: Vec<Lamp>,
     sources: Vec<gl::LightSource>,
+    needs: Requirements,
+    model: Model,
     build_seconds: f64,
 }
 
@@ -191,6 +194,7 @@ impl<'a, R: Real> Plan<'a, R> {
         scene: &'a Scene,
         assembly: &'a Assembly<R>,
         geometry: Geometry,
+        model: Model,
     ) -> Result<Self, Error> {
         let image = &scene.image;
         if image.width == 0 || image.height == 0 {
@@ -201,12 +205,15 @@ impl<'a, R: Real> Plan<'a, R> {
         let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
         let build_seconds = start.elapsed().as_secs_f64();
         let sources = scene.lights_eye();
+        let needs = Requirements::plan(scene, Mode::Trace, model);
         Ok(Self {
             scene,
             surfaces,
             rig: Rig::new(&sources, &scene.light_model),
             lamps: lamps(scene),
             sources,
+            needs,
+            model,
             build_seconds,
         })
     }

@@ -67,6 +67,8 @@ pub(super) struct Shadows<'s, 'a, R> {
     /// GL source of each lamp, for its colours.
     pub(super) sources: &'s [gl::LightSource],
     pub(super) material: &'s gl::Material,
+    /// `--model full`: rays are cast even where no product can show them.
+    pub(super) ask_all: bool,
     /// Sites of the queue; `tags` says which one each point of the batch is.
     pub(super) sites: &'s [Option<Site<R>>],
     pub(super) tags: &'s [u32],
@@ -76,7 +78,7 @@ pub(super) struct Shadows<'s, 'a, R> {
 
 impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
     fn query(&mut self, light: usize, illumination: &Illumination<R>, out: &mut [Vec<R>; 3]) {
-        if !casts_shadows(self.material, &self.sources[light]) {
+        if !self.ask_all && !casts_shadows(self.material, &self.sources[light]) {
             return;
         }
         for (i, &tag) in self.tags.iter().enumerate() {

@@ -20,6 +20,7 @@ use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
 use crate::math::{DMat3, DVec2, DVec3};
 use crate::sampling;
+use crate::scene::requirements::{Feature, Model};
 
 /// A wave longer than this is cut between pixels.
 const WAVE: usize = 1 << 14;
@@ -188,7 +189,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         } else {
             self.add_bounced(paths, &sites);
         }
-        let secondary = self.options.reflection || self.options.refraction;
+        let secondary = self.wanted().contains(&true);
         if generation >= self.options.depth || !secondary {
             return Ok(Vec::new());
         }
@@ -316,15 +317,14 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lamps: &plan.lamps,
             sources: &plan.sources,
             material,
+            ask_all: plan.model == Model::Full,
             sites,
             tags: &batch.tags,
             walker: &mut self.walker,
             counters: &mut self.counters,
         };
-        let visibility = self
-            .options
-            .shadows
-            .then_some(&mut shadows as &mut dyn Visibility<R>);
+        let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
+        let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
         let (isa, rig) = (self.options.isa, &plan.rig);
         let mut terms = Vec::new();
         let mut sum = [Vec::new(), Vec::new(), Vec::new()];
@@ -346,6 +346,15 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     /// Adds the secondary rays of a hit to the next wave.
+    /// Which secondary rays are cast: those asked for that the scene has a use for.
+    fn wanted(&self) -> [bool; 2] {
+        let needs = &self.plan.needs;
+        [
+            self.options.reflection && needs.has(Feature::ReflectionRays),
+            self.options.refraction && needs.has(Feature::RefractionRays),
+        ]
+    }
+
     fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
@@ -359,7 +368,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             object: site.object,
             optics,
             settings: &self.plan.scene.trace,
-            wanted: [self.options.reflection, self.options.refraction],
+            wanted: self.wanted(),
         };
         let [reflection, refraction] = fork.branches(&mut self.media);
         self.counters.rays.reflection += u64::from(reflection.is_some());

@@ -1,0 +1,270 @@
+//! A TOML document as a tree that remembers where every key and value stands.
+//!
+//! In: the text of a scene file and the `--set KEY=VALUE` overrides. Out: a [`Node`] tree in file order, overrides
+//! applied, so that the reader meets both alike. Spans count in one address space: the file's text first, then the text
+//! of each override; [`Document::place`] turns a span into file:line:column, or into the override's own words.
+//! The grammar is the `toml` crate's (spanned, TOML 1.1); what its numbers, keys and tables mean is `native`'s business.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::names;
+use crate::error::{Error, Place};
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    /// Bytes in the document's address space.
+    pub(crate) span: Range<usize>,
+    /// What stands there.
+    pub(crate) value: Value,
+}
+
+/// A key and where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Key {
+    pub(crate) name: String,
+    pub(crate) span: Range<usize>,
+}
+
+/// The kinds of value that a scene file can hold.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    Text(String),
+    /// A whole number as written (it may exceed 64 bits), and its base.
+    Integer(String, u32),
+    Float(f64),
+    Bool(bool),
+    Date,
+    List(Vec<Node>),
+    Table(Vec<(Key, Node)>),
+}
+
+impl Value {
+    /// What an error message calls it.
+    pub(crate) fn describe(&self) -> String {
+        match self {
+            Self::Text(text) if text.chars().count() <= 40 => format!("the string {text:?}"),
+            Self::Text(_) => "a string".into(),
+            Self::Integer(digits, 10) => digits.clone(),
+            Self::Integer(..) => "a whole number".into(),
+            Self::Float(x) => format!("{x:?}"),
+            Self::Bool(x) => x.to_string(),
+            Self::Date => "a date".into(),
+            Self::List(items) if items.is_empty() => "an empty list".into(),
+            Self::List(items) => format!("a list of {}", items.len()),
+            Self::Table(_) => "a table".into(),
+        }
+    }
+}
+
+/// A parsed document.
+#[derive(Debug)]
+pub(crate) struct Document {
+    file: String,
+    text: String,
+    /// The overrides as the user wrote them, each with the address of its text.
+    sets: Vec<(usize, String)>,
+    pub(crate) root: Node,
+}
+
+impl Document {
+    /// Parses a file's text and applies overrides.
+    pub(crate) fn parse(file: &str, text: String, sets: &[String]) -> Result<Self, Error> {
+        let root = match DeTable::parse(&text) {
+            Ok(table) => node(table.span(), table_value(table.into_inner(), 0)),
+            Err(error) => return Err(syntax_error(file, &text, &error)),
+        };
+        let mut document = Self {
+            file: file.to_owned(),
+            text,
+            sets: Vec::new(),
+            root,
+        };
+        let mut base = document.text.len() + 1;
+        for set in sets {
+            document.sets.push((base, set.clone()));
+            document.apply(set, base)?;
+            base += set.len() + 3;
+        }
+        Ok(document)
+    }
+
+    /// Where a span stands.
+    pub(crate) fn place(&self, span: &Range<usize>) -> Place {
+        match self.sets.iter().rev().find(|(base, _)| span.start >= *base) {
+            Some((_, set)) => Place::file(format!("--set {set}")),
+            None => Place::span(&self.file, &self.text, span.clone()),
+        }
+    }
+
+    /// The file as a whole.
+    pub(crate) fn whole(&self) -> Place {
+        Place::file(&self.file)
+    }
+
+    /// An error about the text at a span.
+    pub(crate) fn error(&self, span: &Range<usize>, message: impl Into<String>) -> Error {
+        Error::input(self.place(span), message)
+    }
+
+    fn apply(&mut self, set: &str, base: usize) -> Result<(), Error> {
+        let refuse = |message: String| Error::input(Place::file(format!("--set {set}")), message);
+        let (path, value) = parse_set(set, base).map_err(|m| refuse(m).with_help(SET_HELP))?;
+        let (last, sections) = path.split_last().ok_or_else(|| refuse("no key".into()))?;
+        let mut table = &mut self.root;
+        for (depth, key) in sections.iter().enumerate() {
+            let Value::Table(entries) = &mut table.value else {
+                let inside = path_name(&path[..depth]);
+                return Err(refuse(format!(
+                    "`{inside}` is not a table, so it has no `{}`",
+                    key.name
+                )));
+            };
+            let found = entries.iter().position(|(k, _)| k.name == key.name);
+            let index = match found {
+                Some(index) => index,
+                None if depth == 1 && NAMED.contains(&path[0].name.as_str()) => {
+                    return Err(unknown_name(refuse, &path[0].name, &key.name, entries));
+                }
+                None => {
+                    entries.push((key.clone(), node(key.span.clone(), Value::Table(vec![]))));
+                    entries.len() - 1
+                }
+            };
+            table = &mut entries[index].1;
+        }
+        let Value::Table(entries) = &mut table.value else {
+            let inside = path_name(sections);
+            return Err(refuse(format!(
+                "`{inside}` is not a table, so it has no `{}`",
+                last.name
+            )));
+        };
+        match entries.iter_mut().find(|(k, _)| k.name == last.name) {
+            Some(entry) => *entry = (last.clone(), value),
+            None => entries.push((last.clone(), value)),
+        }
+        Ok(())
+    }
+}
+
+/// Sections whose entries have names of the user's own.
+const NAMED: [&str; 3] = ["light", "material", "object"];
+
+const SET_HELP: &str =
+    "write KEY=VALUE, for example material.red.shininess=64 or camera.eye=[0,2,7]";
+
+fn unknown_name(
+    refuse: impl Fn(String) -> Error,
+    section: &str,
+    name: &str,
+    entries: &[(Key, Node)],
+) -> Error {
+    let known: Vec<&str> = entries.iter().map(|(k, _)| k.name.as_str()).collect();
+    let error = refuse(format!("there is no {section} called `{name}`"));
+    match names::advice(name, &known) {
+        Some(advice) => error.with_help(advice),
+        None => error,
+    }
+}
+
+fn path_name(path: &[Key]) -> String {
+    let names: Vec<&str> = path.iter().map(|k| k.name.as_str()).collect();
+    names.join(".")
+}
+
+/// The path of keys and the value of an override. A value that is not TOML is taken as a bare word.
+fn parse_set(set: &str, base: usize) -> Result<(Vec<Key>, Node), String> {
+    let (key, value) = set.split_once('=').ok_or("there is no `=`")?;
+    let value = value.trim();
+    let text = format!("{key} = 0");
+    let table = DeTable::parse(&text).map_err(|e| e.message().to_owned())?;
+    let mut path = Vec::new();
+    let mut root = table_value(table.into_inner(), base);
+    while let Value::Table(mut entries) = root {
+        // A key with a line break would hold more than one path.
+        let (Some((key, next)), true) = (entries.pop(), entries.is_empty()) else {
+            return Err("expected one KEY=VALUE".into());
+        };
+        path.push(key);
+        root = next.value;
+    }
+    let bare = |c: char| c.is_alphanumeric() || " _-+./\\:".contains(c);
+    let value = match DeValue::parse(value) {
+        Ok(parsed) => value_node(parsed, base + key.len() + 1),
+        Err(_) if !value.is_empty() && value.chars().all(bare) => {
+            let start = base + key.len() + 1;
+            node(start..start + value.len(), Value::Text(value.to_owned()))
+        }
+        Err(error) => return Err(error.message().replace('\n', " ")),
+    };
+    Ok((path, value))
+}
+
+fn node(span: Range<usize>, value: Value) -> Node {
+    Node { span, value }
+}
+
+fn table_value(table: DeTable<'_>, base: usize) -> Value {
+    let mut entries: Vec<(Key, Node)> = table
+        .into_iter()
+        .map(|(key, value)| {
+            let span = shift(key.span(), base);
+            let name = key.into_inner().into_owned();
+            (Key { name, span }, value_node(value, base))
+        })
+        .collect();
+    // The parser sorts keys by name; the file's order is that of their places.
+    entries.sort_by_key(|(key, _)| key.span.start);
+    Value::Table(entries)
+}
+
+fn value_node(value: Spanned<DeValue<'_>>, base: usize) -> Node {
+    let span = shift(value.span(), base);
+    let value = match value.into_inner() {
+        DeValue::String(text) => Value::Text(text.into_owned()),
+        DeValue::Integer(x) => Value::Integer(x.as_str().to_owned(), x.radix()),
+        // A literal beyond f64 becomes infinite here and is refused as such.
+        DeValue::Float(x) => Value::Float(x.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(x) => Value::Bool(x),
+        DeValue::Datetime(_) => Value::Date,
+        DeValue::Array(items) => {
+            Value::List(items.into_iter().map(|x| value_node(x, base)).collect())
+        }
+        DeValue::Table(table) => table_value(table, base),
+    };
+    node(span, value)
+}
+
+fn shift(span: Range<usize>, base: usize) -> Range<usize> {
+    span.start + base..span.end + base
+}
+
+/// A TOML syntax error, or a better word for what the file is.
+fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
+    if looks_like_obj(text) {
+        return Error::input(Place::file(file), "holds an OBJ mesh, not a TOML scene")
+            .with_help("give it the extension .obj");
+    }
+    let place = match error.span() {
+        Some(span) => Place::span(file, text, span),
+        None => Place::file(file),
+    };
+    Error::input(place, error.message().replace('\n', " "))
+}
+
+/// Whether the first statement is one of OBJ's.
+fn looks_like_obj(text: &str) -> bool {
+    const WORDS: [&str; 9] = ["v", "vn", "vt", "f", "o", "g", "s", "usemtl", "mtllib"];
+    text.lines()
+        .map(str::trim)
+        .find(|line| !line.is_empty() && !line.starts_with('#'))
+        .is_some_and(|line| {
+            let mut words = line.split_whitespace();
+            words.next().is_some_and(|w| WORDS.contains(&w))
+                && words.next().is_some_and(|w| !w.starts_with('='))
+        })
+}

@@ -1,0 +1,219 @@
+//! The TOML scene file (DESIGN, section 2): document in, [`Scene`] and notes out.
+//!
+//! Sections are read in the order image, light model, raster, trace, lights, materials, objects, camera, since the
+//! camera may be fitted to the objects; lights, materials and objects keep the file's order. What the file leaves out
+//! has OpenGL's default but for the exceptions of DESIGN, section 1. Not read in this version, each an error with a
+//! reason: textures, `color_material`, `raster.transparency = "blend"`, `raster.snap = "exact"`, includes, and the shapes
+//! disk, cylinder, cone and torus.
+
+mod lights;
+mod materials;
+mod mesh;
+mod objects;
+mod settings;
+mod transform;
+
+use std::collections::HashMap;
+
+use super::document::{Document, Key, Node, Value};
+use super::keys::{CONVENTION, CONVENTIONS, TOP};
+use super::reader::{Section, table, unsupported};
+use super::text::Home;
+use super::{Fitted, names, obj};
+use crate::error::{Error, Note};
+use crate::scene::{Material, Object, Scene};
+
+/// What an importer of another format found: the rest of the scene comes from overrides and defaults.
+#[derive(Debug, Default)]
+pub(crate) struct Contents {
+    pub(crate) materials: Vec<Material>,
+    pub(crate) objects: Vec<Object>,
+}
+
+/// Reads a document. `contents` come before what the document itself holds.
+pub(crate) fn read(
+    document: &Document,
+    home: &Home,
+    contents: Contents,
+) -> Result<(Scene, Vec<Note>, Fitted), Error> {
+    let mut reader = Reader {
+        document,
+        home,
+        scene: Scene::default(),
+        notes: Vec::new(),
+        lecture: false,
+        back_without_two_sides: Vec::new(),
+        default_material: None,
+        models: HashMap::new(),
+        tessellated: 0,
+    };
+    reader.scene.materials = contents.materials;
+    reader.scene.objects = contents.objects;
+    let top = reader.top()?;
+    reader.convention(&top)?;
+    reader.image(top.get("image"))?;
+    reader.light_model(top.get("light_model"))?;
+    reader.raster(top.get("raster"))?;
+    reader.trace(top.get("trace"))?;
+    for (key, node) in top.named("light")? {
+        reader.light(key, node)?;
+    }
+    for (key, node) in top.named("material")? {
+        reader.material(key, node)?;
+    }
+    for (key, node) in top.named("object")? {
+        reader.object(key, node)?;
+    }
+    if reader.scene.objects.is_empty() {
+        let error = Error::input(document.whole(), "the scene has no object");
+        return Err(error.with_help("add one, for example [object.ball] with shape = \"sphere\""));
+    }
+    let fitted = reader.camera(top.get("camera"))?;
+    reader.closing_notes();
+    Ok((reader.scene, reader.notes, fitted))
+}
+
+/// A reading under way.
+struct Reader<'a> {
+    document: &'a Document,
+    home: &'a Home,
+    scene: Scene,
+    notes: Vec<Note>,
+    /// `convention = "lecture"`.
+    lecture: bool,
+    /// Materials whose back nobody will see.
+    back_without_two_sides: Vec<String>,
+    /// Index of OpenGL's default material, once an object needed it.
+    default_material: Option<usize>,
+    /// OBJ files read so far, by name and `smooth`.
+    models: HashMap<(String, Option<bool>), obj::Shared>,
+    /// Triangles that stated levels and tiles ask for.
+    tessellated: u64,
+}
+
+/// The top level of the document.
+struct Top<'a> {
+    document: &'a Document,
+    entries: &'a [(Key, Node)],
+}
+
+impl<'a> Top<'a> {
+    fn get(&self, name: &str) -> Option<&'a (Key, Node)> {
+        self.entries.iter().find(|(key, _)| key.name == name)
+    }
+
+    /// The tables of `[section.NAME]` in file order.
+    fn named(&self, section: &str) -> Result<&'a [(Key, Node)], Error> {
+        match self.get(section) {
+            Some((_, node)) => {
+                let entries = table(self.document, node, section)?;
+                for (key, node) in entries {
+                    if !matches!(node.value, Value::Table(_)) {
+                        let message = format!(
+                            "{section}.{0}: expected a table, found {1}",
+                            key.name,
+                            node.value.describe()
+                        );
+                        let help = format!("write [{section}.NAME], with a name of your own");
+                        return Err(self.document.error(&key.span, message).with_help(help));
+                    }
+                }
+                Ok(entries)
+            }
+            None => Ok(&[]),
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    fn top(&self) -> Result<Top<'a>, Error> {
+        let entries = table(self.document, &self.document.root, "the file")?;
+        for (key, node) in entries {
+            if key.name == "include" {
+                let reason = "shared materials cannot be included yet";
+                return Err(unsupported(self.document, node, "`include`", reason));
+            }
+            if !TOP.contains(&key.name.as_str()) {
+                let message = format!("there is no section `{}`", key.name);
+                let error = self.document.error(&key.span, message);
+                return Err(match names::advice(&key.name, TOP) {
+                    Some(advice) => error.with_help(advice),
+                    None => error,
+                });
+            }
+        }
+        Ok(Top {
+            document: self.document,
+            entries,
+        })
+    }
+
+    fn convention(&mut self, top: &Top<'a>) -> Result<(), Error> {
+        const KEYS: &[super::keys::KeyInfo] = &[CONVENTION];
+        let Some((key, node)) = top.get("convention") else {
+            return Ok(());
+        };
+        let root = Node {
+            span: key.span.clone(),
+            value: Value::Table(vec![(key.clone(), node.clone())]),
+        };
+        let section = Section::open(self.document, "", key.span.clone(), &root, &[KEYS])?;
+        self.lecture = section.choice("convention", CONVENTIONS)?.unwrap_or(false);
+        Ok(())
+    }
+
+    fn note(&mut self, place: Option<&std::ops::Range<usize>>, message: impl Into<String>) {
+        self.notes.push(Note {
+            place: place.map(|span| self.document.place(span)),
+            message: message.into(),
+        });
+    }
+
+    /// Notes that only the whole scene can tell.
+    fn closing_notes(&mut self) {
+        let lights = self.scene.lights.len();
+        if self.scene.enabled_lights().next().is_none() {
+            let message = match lights {
+                0 => "no light: only emission and scene ambient show",
+                _ => "no light is enabled: only emission and scene ambient show",
+            };
+            self.note(None, message);
+        }
+        if !self.scene.light_model.two_sided {
+            for name in std::mem::take(&mut self.back_without_two_sides) {
+                let message = format!(
+                    "material {name}: `back` is not used, since light_model.two_sided is false"
+                );
+                self.note(None, message);
+            }
+        }
+        let mut used = vec![false; self.scene.materials.len()];
+        for object in &self.scene.objects {
+            for index in &object.materials {
+                if let Some(flag) = used.get_mut(*index) {
+                    *flag = true;
+                }
+            }
+        }
+        let unused: Vec<&str> = self
+            .scene
+            .materials
+            .iter()
+            .zip(used)
+            .filter(|(_, used)| !used)
+            .map(|(m, _)| m.name.as_str())
+            .collect();
+        if !unused.is_empty() {
+            let message = format!("no object uses material {}", names::list(&unused, "and"));
+            self.note(None, message);
+        }
+    }
+}
+
+/// The note about a value that real OpenGL refuses.
+pub(super) fn gl_would_refuse(path: &str, violation: &crate::gl::RangeViolation) -> String {
+    format!(
+        "{path}: GL would refuse {} {} ({}); evaluated all the same",
+        violation.parameter, violation.value, violation.legal
+    )
+}

@@ -1,0 +1,414 @@
+//! Scanned faces to meshes: triangles, normals, one vertex for each different corner, one mesh for each part.
+//!
+//! Normals by precedence: the corner's `vn`; else its smoothing group's, the normalised sum of the area vectors of the
+//! faces that share position and group (whole faces, so that the cut into triangles does not matter); else the
+//! triangle's own. `smooth` overrides: `true` puts all faces into one group, `false` makes all flat. A part without any
+//! vertex normal keeps `Mesh::normals` empty.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::scan::{Attributes, NONE, Scan};
+use crate::error::{Error, Note};
+use crate::import::polygon;
+use crate::math::float::normalize;
+use crate::math::{DVec2, DVec3};
+use crate::scene::Mesh;
+
+/// The most triangles of one file.
+const MAX_TRIANGLES: usize = 1 << 27;
+
+/// A mesh with its name and the names of its materials.
+#[derive(Debug)]
+pub(super) struct Built {
+    /// `o` or `g`; `None` where the file is one part.
+    pub(super) name: Option<String>,
+    pub(super) mesh: Arc<Mesh>,
+    /// Number of the `usemtl` name of each slot; [`NONE`] = none.
+    pub(super) materials: Vec<u32>,
+}
+
+/// Builds the meshes; `split` makes one of each object (or group, where the file has no objects).
+pub(super) fn build(
+    mut scan: Scan,
+    smooth: Option<bool>,
+    split: bool,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Built>, Error> {
+    let part_of_run = parts(&scan, split);
+    let names = part_of_run.names;
+    settle_normals(&mut scan, smooth, notes);
+    let smoothed = Smoothed::new(&scan, smooth);
+    let mut builder = Builder {
+        scan: &scan,
+        smooth,
+        smoothed: &smoothed,
+        parts: names.into_iter().map(Part::new).collect(),
+        heads: vec![NONE; scan.positions.len()],
+        vertices: Vec::new(),
+    };
+    for_each_face(&scan, |run, attributes, corners| {
+        let part = part_of_run.of_run[run];
+        builder.parts[part as usize].has_normals |= builder.has_normal(attributes, corners);
+    });
+    let mut count = 0;
+    for_each_face(&scan, |run, attributes, corners| {
+        count += corners.len() - 2;
+        if count <= MAX_TRIANGLES {
+            builder.face(part_of_run.of_run[run], attributes, corners);
+        }
+    });
+    if count > MAX_TRIANGLES {
+        return Err(Error::limit(format!(
+            "the mesh has {count} triangles, more than {MAX_TRIANGLES}"
+        )));
+    }
+    let parts = builder
+        .parts
+        .into_iter()
+        .filter(|p| !p.mesh.triangles.is_empty());
+    Ok(parts.map(Part::finish).collect())
+}
+
+/// Calls with the run number, the attributes and the corners (a range) of each face.
+fn for_each_face(scan: &Scan, mut call: impl FnMut(usize, Attributes, std::ops::Range<usize>)) {
+    let mut first = 0;
+    for (number, run) in scan.runs.iter().enumerate() {
+        let next = scan.runs.get(number + 1);
+        let end = next.map_or(scan.faces.len(), |r| r.first_face as usize);
+        for face in &scan.faces[run.first_face as usize..end] {
+            call(number, run.attributes, first..face.end as usize);
+            first = face.end as usize;
+        }
+    }
+}
+
+struct Parts {
+    names: Vec<Option<String>>,
+    of_run: Vec<u32>,
+}
+
+/// Which part each run belongs to: parts are named alike, in order of first face.
+fn parts(scan: &Scan, split: bool) -> Parts {
+    let (by_object, list) = match (scan.objects.list.is_empty(), split) {
+        (_, false) => (None, &[][..]),
+        (false, true) => (Some(true), &scan.objects.list[..]),
+        (true, true) => (Some(false), &scan.groups.list[..]),
+    };
+    let mut number_of = vec![NONE; list.len() + 1];
+    let mut names = Vec::new();
+    let mut of_run = Vec::with_capacity(scan.runs.len());
+    for run in &scan.runs {
+        let key = match by_object {
+            None => NONE,
+            Some(true) => run.attributes.object,
+            Some(false) => run.attributes.group,
+        };
+        let slot = (key as usize).min(list.len());
+        if number_of[slot] == NONE {
+            number_of[slot] = names.len() as u32;
+            names.push(list.get(slot).filter(|name| !name.is_empty()).cloned());
+        }
+        of_run.push(number_of[slot]);
+    }
+    if names.len() == 1 {
+        names = vec![None];
+    }
+    Parts { names, of_run }
+}
+
+/// Drops normals that `smooth` overrides, and those of no length.
+fn settle_normals(scan: &mut Scan, smooth: Option<bool>, notes: &mut Vec<Note>) {
+    if smooth.is_some() {
+        scan.corner_normals.clear();
+        return;
+    }
+    let mut unusable = 0;
+    for index in &mut scan.corner_normals {
+        if *index != NONE && scan.normals[*index as usize] == DVec3::ZERO {
+            *index = NONE;
+            unusable += 1;
+        }
+    }
+    if unusable > 0 {
+        let message = format!("{unusable} corners have a normal of no length: computed instead");
+        notes.push(Note {
+            place: None,
+            message,
+        });
+    }
+}
+
+fn group(attributes: Attributes, smooth: Option<bool>) -> u32 {
+    match smooth {
+        Some(true) => 1,
+        Some(false) => 0,
+        None => attributes.smoothing,
+    }
+}
+
+/// Normals of smoothing groups: a chain of (group, sum) for each position.
+struct Smoothed {
+    heads: Vec<u32>,
+    links: Vec<(u32, u32, DVec3)>,
+}
+
+impl Smoothed {
+    fn new(scan: &Scan, smooth: Option<bool>) -> Self {
+        let any = match smooth {
+            Some(on) => on,
+            None => scan.runs.iter().any(|run| run.attributes.smoothing != 0),
+        };
+        let mut smoothed = Self {
+            heads: Vec::new(),
+            links: Vec::new(),
+        };
+        if !any {
+            return smoothed;
+        }
+        smoothed.heads = vec![NONE; scan.positions.len()];
+        for_each_face(scan, |_, attributes, corners| {
+            let group = group(attributes, smooth);
+            if group == 0 {
+                return;
+            }
+            let face = &scan.corners[corners];
+            let area = polygon::area_vector(face.iter().map(|v| scan.positions[*v as usize]));
+            for v in face {
+                smoothed.add(*v, group, area);
+            }
+        });
+        for link in &mut smoothed.links {
+            link.2 = DVec3::from_array(normalize(link.2.to_array()).0);
+        }
+        smoothed
+    }
+
+    fn find(&self, position: u32, group: u32) -> Option<usize> {
+        let mut at = self.heads[position as usize];
+        while at != NONE {
+            let (g, next, _) = self.links[at as usize];
+            if g == group {
+                return Some(at as usize);
+            }
+            at = next;
+        }
+        None
+    }
+
+    fn add(&mut self, position: u32, group: u32, area: DVec3) {
+        match self.find(position, group) {
+            Some(link) => self.links[link].2 += area,
+            None => {
+                let head = &mut self.heads[position as usize];
+                self.links.push((group, *head, area));
+                *head = self.links.len() as u32 - 1;
+            }
+        }
+    }
+
+    fn normal(&self, position: u32, group: u32) -> DVec3 {
+        self.find(position, group)
+            .map_or(DVec3::ZERO, |link| self.links[link].2)
+    }
+}
+
+/// Where a corner's normal comes from. Part of what makes two corners the same vertex.
+#[derive(Clone, Copy, PartialEq)]
+enum Origin {
+    File(u32),
+    Group(u32),
+    /// The triangle's own: the part has no vertex normals.
+    None,
+}
+
+/// A vertex made so far: next of the same position, its part, what it came from, its number in the part.
+struct Vertex {
+    next: u32,
+    part: u32,
+    texcoord: u32,
+    origin: Origin,
+    number: u32,
+}
+
+struct Part {
+    name: Option<String>,
+    mesh: Mesh,
+    has_normals: bool,
+    has_texcoords: bool,
+    materials: Vec<u32>,
+    slots: HashMap<u32, u32>,
+    last_slot: Option<(u32, u32)>,
+}
+
+impl Part {
+    fn new(name: Option<String>) -> Self {
+        Self {
+            name,
+            mesh: Mesh::default(),
+            has_normals: false,
+            has_texcoords: false,
+            materials: Vec::new(),
+            slots: HashMap::new(),
+            last_slot: None,
+        }
+    }
+
+    /// The slot of a material; slots are counted in order of first use.
+    fn slot(&mut self, material: u32) -> u32 {
+        // Faces of one material mostly follow each other.
+        if let Some((last, slot)) = self.last_slot
+            && last == material
+        {
+            return slot;
+        }
+        let materials = &mut self.materials;
+        let slot = *self.slots.entry(material).or_insert_with(|| {
+            materials.push(material);
+            materials.len() as u32 - 1
+        });
+        self.last_slot = Some((material, slot));
+        slot
+    }
+
+    fn finish(self) -> Built {
+        let mut mesh = self.mesh;
+        if !self.has_texcoords {
+            mesh.texcoords = Vec::new();
+        }
+        if self.materials.len() == 1 {
+            mesh.slots = Vec::new();
+        }
+        mesh.positions.shrink_to_fit();
+        mesh.triangles.shrink_to_fit();
+        mesh.normals.shrink_to_fit();
+        Built {
+            name: self.name,
+            mesh: Arc::new(mesh),
+            materials: self.materials,
+        }
+    }
+}
+
+struct Builder<'a> {
+    scan: &'a Scan,
+    smooth: Option<bool>,
+    smoothed: &'a Smoothed,
+    parts: Vec<Part>,
+    /// First vertex of each position; the chain goes on in [`Vertex::next`].
+    heads: Vec<u32>,
+    vertices: Vec<Vertex>,
+}
+
+impl Builder<'_> {
+    fn has_normal(&self, attributes: Attributes, mut corners: std::ops::Range<usize>) -> bool {
+        let given = |c: usize| self.scan.corner_normals.get(c).is_some_and(|n| *n != NONE);
+        group(attributes, self.smooth) != 0 || corners.any(given)
+    }
+
+    fn face(&mut self, part: u32, attributes: Attributes, corners: std::ops::Range<usize>) {
+        let scan = self.scan;
+        let slot = self.parts[part as usize].slot(attributes.material);
+        let first = corners.start as u32;
+        if corners.len() == 3 {
+            self.triangle(part, attributes, slot, [first, first + 1, first + 2]);
+            return;
+        }
+        // The corners' numbers are cut, not their positions: two corners may share a position.
+        let face: Vec<u32> = corners.map(|c| c as u32).collect();
+        let position = |c: u32| scan.positions[scan.corners[c as usize] as usize];
+        for triangle in polygon::triangulate(&face, position) {
+            self.triangle(part, attributes, slot, triangle);
+        }
+    }
+
+    fn triangle(&mut self, part: u32, attributes: Attributes, slot: u32, corners: [u32; 3]) {
+        let flat = corners.map(|c| self.origin(attributes, c) == Origin::None);
+        let owns_normals = self.parts[part as usize].has_normals;
+        let face_normal = if owns_normals && flat.contains(&true) {
+            let [a, b, c] =
+                corners.map(|c| self.scan.positions[self.scan.corners[c as usize] as usize]);
+            DVec3::from_array(normalize((b - a).cross(c - a).to_array()).0)
+        } else {
+            DVec3::ZERO
+        };
+        let mut triangle = [0; 3];
+        for (vertex, corner) in triangle.iter_mut().zip(corners) {
+            *vertex = self.vertex(part, attributes, corner, face_normal);
+        }
+        let mesh = &mut self.parts[part as usize].mesh;
+        mesh.triangles.push(triangle);
+        mesh.slots.push(slot);
+    }
+
+    fn origin(&self, attributes: Attributes, corner: u32) -> Origin {
+        let given = self.scan.corner_normals.get(corner as usize).copied();
+        match (given, group(attributes, self.smooth)) {
+            (Some(normal), _) if normal != NONE => Origin::File(normal),
+            (_, 0) => Origin::None,
+            (_, group) => Origin::Group(group),
+        }
+    }
+
+    /// The number of a corner's vertex, made where the part has none like it.
+    fn vertex(
+        &mut self,
+        part: u32,
+        attributes: Attributes,
+        corner: u32,
+        face_normal: DVec3,
+    ) -> u32 {
+        let scan = self.scan;
+        let position = scan.corners[corner as usize];
+        let texcoord = scan
+            .corner_texcoords
+            .get(corner as usize)
+            .copied()
+            .unwrap_or(NONE);
+        let origin = self.origin(attributes, corner);
+        let has_normals = self.parts[part as usize].has_normals;
+        let own = has_normals && origin == Origin::None;
+        let mut at = if own {
+            NONE
+        } else {
+            self.heads[position as usize]
+        };
+        while at != NONE {
+            let v = &self.vertices[at as usize];
+            if v.part == part && v.texcoord == texcoord && v.origin == origin {
+                return v.number;
+            }
+            at = v.next;
+        }
+        let normal = match origin {
+            Origin::File(normal) => scan.normals[normal as usize],
+            Origin::Group(group) => self.smoothed.normal(position, group),
+            Origin::None => face_normal,
+        };
+        let target = &mut self.parts[part as usize];
+        let number = target.mesh.positions.len() as u32;
+        target
+            .mesh
+            .positions
+            .push(scan.positions[position as usize]);
+        if has_normals {
+            target.mesh.normals.push(normal);
+        }
+        target.has_texcoords |= texcoord != NONE;
+        if !scan.corner_texcoords.is_empty() {
+            let texcoord = scan.texcoords.get(texcoord as usize).copied();
+            target.mesh.texcoords.push(texcoord.unwrap_or(DVec2::ZERO));
+        }
+        if !own {
+            self.vertices.push(Vertex {
+                next: self.heads[position as usize],
+                part,
+                texcoord,
+                origin,
+                number,
+            });
+            self.heads[position as usize] = self.vertices.len() as u32 - 1;
+        }
+        number
+    }
+}

@@ -1,0 +1,311 @@
+//! Material libraries (MTL) to materials and optics.
+//!
+//! `tobj` reads the statements; a thin scan before it checks numbers (with their places, which `tobj` does not give),
+//! completes `Kd 0.5` to three components (`tobj` panics on fewer) and keeps from it what is dropped. Names run to the
+//! end of the line. Which terms a material has follows `illum` (Ramey, Rose, Tyerman 1995; default 2 where K_s > 0, else 1):
+//!
+//! | illum | taken as |
+//! | - | - |
+//! | 0 | the constant colour K_d: emission, nothing lit |
+//! | 1, 2 | ambient and diffuse; 2 adds specular |
+//! | 3, 5 | 2 and a mirror of weight K_s (the Fresnel factor of 5 is dropped) |
+//! | 4 | 3 and straight-through transmission of weight (1 - d) Tf |
+//! | 6 | 3 and refraction of weight (1 - K_s) Tf with index Ni |
+//! | 7 | refraction of weight (1 - K_s) Tf with index Ni, shared with the mirror by Fresnel's equations |
+//! | 8, 9, 10 | 2: maps, blending and shadow catchers are dropped |
+//!
+//! Values that the library leaves out are OpenGL's defaults. Textures (`map_*`, `bump`, `refl`, ...) are dropped.
+
+use std::ops::Range;
+
+use super::scan::{Words, line_end, place};
+use crate::error::{Error, Note};
+use crate::math::color::Rgb;
+use crate::scene::{Fresnel, Material, Optics};
+
+/// Reads a library; the notes say what was dropped or doubted.
+pub(super) fn read(
+    file: &str,
+    bytes: &[u8],
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Material>, Error> {
+    let mut cleaner = Cleaner {
+        file,
+        bytes,
+        clean: String::new(),
+        named: Vec::new(),
+        dropped: Vec::new(),
+    };
+    let mut start = if bytes.starts_with(b"\xef\xbb\xbf") {
+        3
+    } else {
+        0
+    };
+    while start < bytes.len() {
+        let end = line_end(bytes, start);
+        cleaner.line(start..end)?;
+        start = end + 1;
+    }
+    let (parsed, _) = tobj::load_mtl_buf(&mut cleaner.clean.as_bytes())
+        .map_err(|e| cleaner.error(0..0, format!("the material library cannot be read: {e}")))?;
+    notes.append(&mut cleaner.dropped);
+    let mut materials = Vec::with_capacity(parsed.len());
+    for (material, line) in parsed.iter().zip(&cleaner.named) {
+        let mut doubts = Vec::new();
+        materials.push(convert(material, &mut doubts));
+        let place = place(file, bytes, line.clone());
+        notes.extend(doubts.into_iter().map(|message| Note {
+            place: Some(place.clone()),
+            message: format!("material {}: {message}", material.name),
+        }));
+    }
+    Ok(materials)
+}
+
+/// Checks the statements and writes those that `tobj` is to read.
+struct Cleaner<'a> {
+    file: &'a str,
+    bytes: &'a [u8],
+    clean: String,
+    /// Where each material is named.
+    named: Vec<Range<usize>>,
+    dropped: Vec<Note>,
+}
+
+impl Cleaner<'_> {
+    fn text(&self, span: Range<usize>) -> String {
+        String::from_utf8_lossy(&self.bytes[span]).into_owned()
+    }
+
+    fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+        Error::input(place(self.file, self.bytes, span), message)
+    }
+
+    fn note(&mut self, span: Range<usize>, message: String) {
+        // A library of nothing but strange lines must not make a long list.
+        if self.dropped.len() < 256 {
+            self.dropped.push(Note {
+                place: Some(place(self.file, self.bytes, span)),
+                message,
+            });
+        }
+    }
+
+    fn write(&mut self, keyword: &str, values: &[String]) {
+        self.clean.push_str(keyword);
+        for value in values {
+            self.clean.push(' ');
+            self.clean.push_str(value);
+        }
+        self.clean.push('\n');
+    }
+
+    fn line(&mut self, line: Range<usize>) -> Result<(), Error> {
+        let mut words = Words::new(self.bytes, line);
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        let name = self.text(keyword.clone());
+        if name == "newmtl" {
+            let rest = words.rest();
+            if rest.is_empty() {
+                return Err(self.error(keyword, "`newmtl` needs a name"));
+            }
+            let material = self.text(rest.clone());
+            // A continued or damaged name must stay one line for tobj, and keep its blanks.
+            self.write("newmtl", &[material.replace(['\n', '\r', '\\'], " ")]);
+            self.named.push(rest);
+            return Ok(());
+        }
+        if self.named.is_empty() {
+            self.note(
+                keyword,
+                format!("`{name}` before the first newmtl: dropped"),
+            );
+            return Ok(());
+        }
+        match name.as_str() {
+            "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => self.color(&name, keyword, words),
+            "Ns" | "Ni" | "d" | "Tr" => self.scalar(&name, keyword, words),
+            "illum" => self.illum(keyword, words),
+            _ => {
+                self.note(keyword, format!("`{name}` is dropped"));
+                Ok(())
+            }
+        }
+    }
+
+    /// A finite number, in tobj's spelling.
+    fn number(&self, word: Range<usize>) -> Result<(f64, String), Error> {
+        let text = self.text(word.clone());
+        match text.parse::<f64>() {
+            Ok(x) if x.is_finite() && x.abs() <= f64::from(f32::MAX) => Ok((x, text)),
+            Ok(_) => Err(self.error(word, format!("expected a finite number, found `{text}`"))),
+            Err(_) => Err(self.error(word, format!("expected a number, found `{text}`"))),
+        }
+    }
+
+    fn color(&mut self, name: &str, keyword: Range<usize>, words: Words<'_>) -> Result<(), Error> {
+        let words: Vec<Range<usize>> = words.take(3).collect();
+        let first = words
+            .first()
+            .map(|w| self.text(w.clone()))
+            .unwrap_or_default();
+        if first == "spectral" || first == "xyz" {
+            return Err(Error::Unsupported {
+                place: Some(place(self.file, self.bytes, keyword)),
+                message: format!("`{name} {first}` is not supported: write red, green and blue"),
+                help: None,
+            });
+        }
+        let mut values = Vec::new();
+        for word in &words {
+            values.push(self.number(word.clone())?.1);
+        }
+        match values.len() {
+            1 => values = vec![values[0].clone(), values[0].clone(), values[0].clone()],
+            3 => {}
+            found => {
+                let message = format!("`{name}` needs 1 or 3 numbers, found {found}");
+                return Err(self.error(keyword, message));
+            }
+        }
+        self.write(name, &values);
+        Ok(())
+    }
+
+    fn scalar(&mut self, name: &str, keyword: Range<usize>, words: Words<'_>) -> Result<(), Error> {
+        let mut words = words.peekable();
+        if words
+            .peek()
+            .is_some_and(|w| &self.bytes[w.clone()] == b"-halo")
+        {
+            let span = words.next().unwrap_or_else(|| keyword.clone());
+            self.note(span, "`-halo` is dropped".into());
+        }
+        let Some(word) = words.next() else {
+            return Err(self.error(keyword, format!("`{name}` needs a number")));
+        };
+        let (x, text) = self.number(word.clone())?;
+        if name == "Ns" && x < 0.0 {
+            return Err(self.error(word, format!("expected Ns 0 or more, found {x}")));
+        }
+        self.write(name, &[text]);
+        Ok(())
+    }
+
+    fn illum(&mut self, keyword: Range<usize>, mut words: Words<'_>) -> Result<(), Error> {
+        let Some(word) = words.next() else {
+            return Err(self.error(keyword, "`illum` needs a number"));
+        };
+        let (x, text) = self.number(word.clone())?;
+        if x.fract() == 0.0 && (0.0..=10.0).contains(&x) {
+            self.write("illum", &[format!("{x}")]);
+        } else {
+            self.note(
+                word,
+                format!("there is no illumination model {text}: dropped"),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The material that a library's entry describes.
+fn convert(parsed: &tobj::Material, doubts: &mut Vec<String>) -> Material {
+    let mut material = super::default_material();
+    material.name.clone_from(&parsed.name);
+    let front = &mut material.front;
+    front.ambient = parsed.ambient.unwrap_or(front.ambient);
+    front.diffuse = parsed.diffuse.unwrap_or(front.diffuse);
+    front.specular = parsed.specular.unwrap_or(front.specular);
+    front.emission = parsed.emissive.unwrap_or(front.emission);
+    front.shininess = parsed.shininess.unwrap_or(front.shininess);
+    let shiny = front.specular.iter().any(|x| *x > 0.0);
+    let illum = parsed
+        .illumination_model
+        .unwrap_or(if shiny { 2 } else { 1 });
+    let (ks, kd) = (front.specular, front.diffuse);
+    if illum == 0 {
+        front.emission = std::array::from_fn(|c| front.emission[c] + kd[c]);
+        (front.ambient, front.diffuse) = ([0.0; 3], [0.0; 3]);
+    }
+    if illum < 2 {
+        front.specular = [0.0; 3];
+    }
+    for violation in front.range_violations() {
+        doubts.push(format!(
+            "GL would refuse {} {} ({}); evaluated all the same",
+            violation.parameter, violation.value, violation.legal
+        ));
+    }
+    material.optics = optics(parsed, illum, ks, doubts);
+    material
+}
+
+fn optics(parsed: &tobj::Material, illum: u8, ks: Rgb, doubts: &mut Vec<String>) -> Optics {
+    let filter = color_of(parsed, "Tf").unwrap_or([1.0; 3]);
+    let opacity = opacity(parsed, doubts);
+    let index = match parsed.optical_density {
+        Some(ni) if ni > 0.0 => ni,
+        Some(ni) => {
+            if matches!(illum, 6 | 7) {
+                doubts.push(format!("Ni {ni} is taken as 1"));
+            }
+            1.0
+        }
+        None => 1.0,
+    };
+    let through: Rgb = std::array::from_fn(|c| (1.0 - ks[c]) * filter[c]);
+    let mut optics = Optics::default();
+    match illum {
+        3 => optics.reflection = ks,
+        4 => {
+            optics.reflection = ks;
+            optics.transmission = filter.map(|f| (1.0 - opacity) * f);
+            optics.thin = true;
+        }
+        5 => {
+            optics.reflection = ks;
+            doubts.push("illum 5: the Fresnel factor of its mirror is dropped".into());
+        }
+        6 => {
+            (optics.reflection, optics.transmission, optics.ior) = (ks, through, index);
+        }
+        7 => {
+            (optics.transmission, optics.ior) = (through, index);
+            optics.fresnel = Fresnel::Dielectric;
+        }
+        8 => doubts.push("illum 8: the reflection map is dropped".into()),
+        9 => doubts.push("illum 9: blending is dropped, the surface is opaque".into()),
+        10 => doubts.push("illum 10: shadow catchers are not supported; drawn as illum 2".into()),
+        _ => {}
+    }
+    if opacity != 1.0 && illum != 4 {
+        doubts.push(format!("d = {opacity} has no effect under illum {illum}"));
+    }
+    optics
+}
+
+/// `d`, or 1 - `Tr`; where both are given and disagree, `d`.
+fn opacity(parsed: &tobj::Material, doubts: &mut Vec<String>) -> f64 {
+    let transparency = parsed
+        .unknown_param
+        .get("Tr")
+        .and_then(|text| text.parse::<f64>().ok());
+    match (parsed.dissolve, transparency) {
+        (Some(d), Some(tr)) if tr != 1.0 - d => {
+            doubts.push(format!("d {d} and Tr {tr} disagree: d is used"));
+            d
+        }
+        (Some(d), _) => d,
+        (None, Some(tr)) => 1.0 - tr,
+        (None, None) => 1.0,
+    }
+}
+
+fn color_of(parsed: &tobj::Material, name: &str) -> Option<Rgb> {
+    let text = parsed.unknown_param.get(name)?;
+    let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().ok());
+    Some([numbers.next()??, numbers.next()??, numbers.next()??])
+}

@@ -1,0 +1,128 @@
+//! Reading files and embedded texts, and telling early what is no scene at all.
+
+use std::path::{Path, PathBuf};
+
+use super::shipped;
+use crate::error::{Error, Place};
+
+/// Largest scene file (TOML) or material library.
+pub const MAX_TEXT: u64 = 16 << 20;
+/// Largest mesh file.
+pub const MAX_MESH: u64 = 1 << 30;
+
+/// Where the files of a scene come from.
+#[derive(Clone, Debug)]
+pub(crate) enum Home {
+    /// A folder: that of the scene file.
+    Folder(PathBuf),
+    /// The scenes inside the program.
+    Embedded,
+}
+
+impl Home {
+    /// How messages call a file of this home.
+    pub(crate) fn name(&self, file: &str) -> String {
+        match self {
+            Self::Folder(folder) => folder.join(file).display().to_string(),
+            Self::Embedded => file.to_owned(),
+        }
+    }
+
+    /// Whether a file is there.
+    pub(crate) fn has(&self, file: &str) -> bool {
+        match self {
+            Self::Folder(folder) => folder.join(file).is_file(),
+            Self::Embedded => shipped::file(file).is_some(),
+        }
+    }
+
+    /// The bytes of a file.
+    pub(crate) fn read(&self, file: &str, limit: u64) -> Result<Vec<u8>, Error> {
+        match self {
+            Self::Folder(folder) => read_file(&folder.join(file), limit),
+            Self::Embedded => match shipped::file(file) {
+                Some(text) => Ok(text.as_bytes().to_vec()),
+                None => Err(Error::io(
+                    file,
+                    "read",
+                    std::io::Error::from(std::io::ErrorKind::NotFound),
+                )),
+            },
+        }
+    }
+}
+
+/// The bytes of a file of at most `limit` bytes.
+fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    use std::io::Read;
+    let name = path.display().to_string();
+    let failed = |e| Error::io(&name, "read", e);
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if metadata.is_dir() {
+        return Err(folder(&name));
+    }
+    let too_long = || {
+        Error::limit(format!("{name} is longer than {} MiB", limit >> 20))
+            .with_help("keep large meshes in OBJ files")
+    };
+    if metadata.len() > limit {
+        return Err(too_long());
+    }
+    // The length may lie (pipes, devices): read no more than the limit.
+    let mut bytes = Vec::with_capacity(metadata.len() as usize + 1);
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let read = file.take(limit + 1).read_to_end(&mut bytes);
+    let length = read.map_err(failed)? as u64;
+    if length > limit {
+        return Err(too_long());
+    }
+    Ok(bytes)
+}
+
+/// The error for a folder.
+pub(crate) fn folder(name: &str) -> Error {
+    Error::input(Place::file(name), "is a folder, not a scene")
+        .with_help("name a .toml or .obj file in it")
+}
+
+/// Refuses what cannot be a text: nothing at all, pictures, other binary files, UTF-16.
+pub(crate) fn check_text(name: &str, bytes: &[u8]) -> Result<(), Error> {
+    let refuse = |what: &str| Err(Error::input(Place::file(name), what));
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return refuse("is empty");
+    }
+    const PICTURES: [(&[u8], &str); 5] = [
+        (b"\x89PNG", "is a PNG picture, not a scene"),
+        (b"\xff\xd8\xff", "is a JPEG picture, not a scene"),
+        (b"GIF8", "is a GIF picture, not a scene"),
+        (b"\x76\x2f\x31\x01", "is an OpenEXR picture, not a scene"),
+        (b"glTF", "is a binary glTF file, which is not imported"),
+    ];
+    if let Some((_, what)) = PICTURES.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return refuse(what);
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return refuse("is UTF-16 text; save it as UTF-8");
+    }
+    if bytes.contains(&0) {
+        return refuse("is a binary file, not a scene");
+    }
+    Ok(())
+}
+
+/// The text of a UTF-8 file, without its byte order mark.
+pub(crate) fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, Error> {
+    check_text(name, &bytes)?;
+    let mut text = String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let bytes = error.into_bytes();
+        let text = String::from_utf8_lossy(&bytes);
+        let message = format!("byte {:#04x} is not UTF-8", bytes[good]);
+        Error::input(Place::span(name, &text, good..good + 1), message)
+            .with_help("save the file as UTF-8")
+    })?;
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
+}
