@@ -10,6 +10,7 @@ use rastray::gl;
 use rastray::lanes::{Isa, Real};
 use rastray::math::{DAffine3, DMat3, DVec3};
 use rastray::scene::assembly::Assembly;
+use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Fresnel, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics,
     Projection, Scene, Shadow, Shape, Tir,
@@ -143,7 +144,7 @@ fn try_draw<R: Real>(
     options: &Options,
 ) -> Result<(rastray::frame::Frame<R>, Counters), Error> {
     let assembly = Assembly::<R>::new(scene, Some(16))?;
-    Plan::new(scene, &assembly, geometry)?.draw(options)
+    Plan::new(scene, &assembly, geometry, Model::Required)?.draw(options)
 }
 
 /// The one pixel's green, f64, exact shapes.
@@ -616,7 +617,7 @@ fn busy() -> Scene {
 fn layers_add_up<R: Real>(scene: &Scene) {
     for geometry in [Geometry::Exact, Geometry::Mesh] {
         let assembly = Assembly::<R>::new(scene, Some(16)).unwrap();
-        let plan = Plan::new(scene, &assembly, geometry).unwrap();
+        let plan = Plan::new(scene, &assembly, geometry, Model::Required).unwrap();
         let mut asked = options(scene);
         let (plain, _) = plan.draw(&asked).unwrap();
         asked.layers = true;
@@ -666,7 +667,7 @@ fn threads_and_tiles_change_no_byte() {
             .unwrap();
         pool.install(|| {
             let assembly = Assembly::<f32>::new(&scene, None).unwrap();
-            let plan = Plan::new(&scene, &assembly, Geometry::Mesh).unwrap();
+            let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
             let asked = Options {
                 layers: true,
                 ..options(&scene)
@@ -986,7 +987,7 @@ fn hierarchy_equals_brute_force<R: Real>(rays: usize) {
         } else {
             Geometry::Exact
         };
-        let plan = Plan::new(&scene, &assembly, geometry).unwrap();
+        let plan = Plan::new(&scene, &assembly, geometry, Model::Required).unwrap();
         let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
         for i in 0..rays / 5 {
             let ray = random_ray(&mut random, i);
@@ -1092,7 +1093,7 @@ fn closed_meshes_do_not_leak<R: Real>() {
     let mesh = jittered_ball(48);
     add_mesh(&mut scene, mesh.clone(), m);
     let assembly = Assembly::<R>::new(&scene, None).unwrap();
-    let plan = Plan::new(&scene, &assembly, Geometry::Mesh).unwrap();
+    let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
     let (surfaces, mut walker, mut random) = (plan.surfaces(), Walker::default(), Random(3));
     let mut aimed = 0;
     for (i, triangle) in mesh.triangles.iter().enumerate() {
@@ -1380,7 +1381,7 @@ mod numerics {
     fn leaks<R: Real>(eval: &Value, expected: &Value, errors: &mut Errors) {
         let scene = mesh_scene(eval);
         let assembly = Assembly::<R>::new(&scene, None).unwrap();
-        let plan = Plan::new(&scene, &assembly, Geometry::Mesh).unwrap();
+        let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
         let mut walker = Walker::default();
         for (ray, wanted) in eval["rays"]
             .as_array()
@@ -1458,7 +1459,7 @@ mod numerics {
         }
         errors.judged += 1;
         let assembly = Assembly::<R>::new(&scene, Some(4)).unwrap();
-        let plan = Plan::new(&scene, &assembly, Geometry::Exact).unwrap();
+        let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
         let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
         let ray = Ray::new(vector(&eval["o"]), vector(&eval["d"]));
         let lit = surfaces.closest_hit(&ray, &mut walker).is_some_and(|hit| {

@@ -345,7 +345,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         if record { terms } else { vec![sum] }
     }
 
-    /// Adds the secondary rays of a hit to the next wave.
     /// Which secondary rays are cast: those asked for that the scene has a use for.
     fn wanted(&self) -> [bool; 2] {
         let needs = &self.plan.needs;
@@ -355,6 +354,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         ]
     }
 
+    /// Adds the secondary rays of a hit to the next wave.
     fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
