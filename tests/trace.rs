@@ -142,9 +142,10 @@ fn try_draw<R: Real>(
     scene: &Scene,
     geometry: Geometry,
     options: &Options,
-) -> Result<(rastray::frame::Frame<R>, Counters), Error> {
+) -> Result<(rastray::frame::Frame<R>, Counters), Box<Error>> {
     let assembly = Assembly::<R>::new(scene, Some(16))?;
-    Plan::new(scene, &assembly, geometry, Model::Required)?.draw(options)
+    let plan = Plan::new(scene, &assembly, geometry, Model::Required)?;
+    Ok(plan.draw(options)?)
 }
 
 /// The one pixel's green, f64, exact shapes.
@@ -164,9 +165,9 @@ fn assert_border(expected: f64, scene: impl Fn(f64) -> Scene) {
 #[test]
 fn a_sphere_is_seen_under_asin_r_over_d() {
     let (r, d) = (1.25, 7.0);
-    let half = (r / d as f64).asin();
+    let half = libm::asin(r / d);
     for (step, hit) in [(-1e-12, true), (1e-12, false)] {
-        let (s, c) = (half + step as f64).sin_cos();
+        let (s, c) = libm::sincos(half + step);
         let mut scene = one_ray(v(0.0, 0.0, d), v(s, 0.0, d - c));
         let m = glowing(&mut scene, 1.0);
         add(&mut scene, sphere(DVec3::ZERO, r), &[m]);
@@ -236,7 +237,7 @@ fn a_mirror_shows_what_stands_at_the_mirrored_place() {
 #[test]
 fn a_slab_displaces_a_ray_and_keeps_its_direction() {
     for (n, degrees) in [(1.5, 30.0f64), (1.33, 70.0), (2.4, 5.0), (1.0, 45.0)] {
-        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(f64::to_radians(degrees));
         let thickness = 2.0;
         let scene = |border: f64| {
             let mut scene = one_ray(v(-3.0 * sin, 0.0, 3.0 * cos), DVec3::ZERO);
@@ -275,18 +276,18 @@ fn refraction_by_a_ball_and_by_a_hollow_ball() {
             wall(&mut scene, -4.0, border);
             scene
         };
-        let mut turn = b.asin() - (b / n).asin();
+        let mut turn = libm::asin(b) - libm::asin(b / n);
         if hollow && b / n < inner {
             // From glass, distance b / n, into air of radius `inner`, distance b there; beyond it, total reflection.
             if b >= inner {
                 assert_eq!(seen(&scene(0.0)), 0.0);
                 continue;
             }
-            turn += (b / n / inner).asin() - (b / inner).asin();
+            turn += libm::asin(b / n / inner) - libm::asin(b / inner);
         }
         let turn = 2.0 * turn;
         // Leaving line: direction (-sin, -cos) in (x, z), at distance b from the centre on the same side.
-        let (sin, cos) = turn.sin_cos();
+        let (sin, cos) = libm::sincos(turn);
         let foot = (b * cos, -b * sin);
         let reach = (foot.1 + 4.0) / cos;
         assert_border(foot.0 - reach * sin, scene);
@@ -297,10 +298,10 @@ fn refraction_by_a_ball_and_by_a_hollow_ball() {
 #[test]
 fn total_internal_reflection_starts_at_the_critical_angle() {
     let n = 1.2f64;
-    let critical = (n * n - 1.0).sqrt().asin();
+    let critical = libm::asin((n * n - 1.0).sqrt());
     for (step, total) in [(-1e-7, true), (1e-7, false)] {
         for tir in [Tir::None, Tir::Reflect] {
-            let (sin, cos) = (critical + step as f64).sin_cos();
+            let (sin, cos) = libm::sincos(critical + step);
             let mut scene = one_ray(v(-0.1 - sin, cos, 0.0), v(-0.1, 0.0, 0.0));
             scene.image.background = [0.5; 3];
             let m = glass(&mut scene, n);
@@ -389,10 +390,10 @@ fn floor_at(x: f64, z: f64) -> Scene {
 #[test]
 fn a_point_lights_shadow_of_a_ball_ends_where_the_tangent_cone_does() {
     let (height, center, r) = (5.0, 2.0, 1.0);
-    let radius = height * (r / (height - center) as f64).asin().tan();
+    let radius = height * libm::tan(libm::asin(r / (height - center)));
     for angle in [0.0f64, 1.0, 4.0] {
         for (step, lit) in [(-HAIR, false), (HAIR, true)] {
-            let (s, c) = angle.sin_cos();
+            let (s, c) = libm::sincos(angle);
             let mut scene = floor_at((radius + step) * c, (radius + step) * s);
             add(&mut scene, sphere(v(0.0, center, 0.0), r), &[0]);
             light(&mut scene, [0.0, height, 0.0, 1.0]);
@@ -754,7 +755,7 @@ fn runaway_trees_end_in_a_clear_error() {
     add(&mut scene, Shape::Box { min, max }, &[m]);
     scene.trace.depth = 200;
     let error = try_draw::<f32>(&scene, Geometry::Exact, &options(&scene)).unwrap_err();
-    assert!(matches!(error, Error::Limit { .. }), "{error}");
+    assert!(matches!(*error, Error::Limit { .. }), "{error}");
     assert!(error.to_string().contains("pixel 0 0") && error.help().is_some());
     let secondary = Options {
         refraction: false,
@@ -830,7 +831,7 @@ fn empty_scenes_show_the_background_and_empty_pictures_are_refused() {
     assert_eq!(seen(&scene), 0.5);
     scene.image.width = 0;
     let error = try_draw::<f32>(&scene, Geometry::Mesh, &options(&scene)).unwrap_err();
-    assert!(matches!(error, Error::Parameter { .. }));
+    assert!(matches!(*error, Error::Parameter { .. }));
 }
 
 #[test]
@@ -1221,7 +1222,7 @@ mod numerics {
                 println!("{id} {precision}: {errors:?}");
                 for (name, error) in &errors.worst {
                     let bar = bars[name].as_f64().unwrap_or(0.0);
-                    if !(*error <= bar) {
+                    if error.is_nan() || *error > bar {
                         failures.push(format!("{id} {precision}: {name} {error:e} > {bar:e}"));
                     }
                 }
@@ -1244,7 +1245,7 @@ mod numerics {
     impl Errors {
         fn add(&mut self, name: &'static str, error: f64) {
             let worst = self.worst.entry(name).or_insert(0.0);
-            *worst = if error <= *worst { *worst } else { error };
+            *worst = if error <= *worst { *worst } else { error }; // keeps NaN
         }
     }
 
