@@ -165,8 +165,8 @@ mod tests {
     #[test]
     fn critical_angles_are_the_sheets() {
         for (eta, degrees) in [(1.33, 48.7535), (1.5, 41.8103), (2.4, 24.6243)] {
-            for (step, total) in [(-1e-4, false), (1e-4, true)] {
-                let i = (degrees + step as f64).to_radians();
+            for (step, total) in [(-1e-4f64, false), (1e-4, true)] {
+                let i = (degrees + step).to_radians();
                 let d = DVec3::new(libm::sin(i), 0.0, libm::cos(i));
                 assert_eq!(refract(d, DVec3::Z, eta, 1.0) == Transmission::Total, total);
             }

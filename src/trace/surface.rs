@@ -56,21 +56,7 @@ pub struct Site<R> {
 impl<'a, R: Real> Surfaces<'a, R> {
     /// Prepares a scene: true shapes where `exact`, else the assembly's triangles alone.
     pub(super) fn new(scene: &'a Scene, assembly: &'a Assembly<R>, exact: bool) -> Self {
-        let mut items = Vec::with_capacity(assembly.triangles.len());
-        let mut solids = Vec::new();
-        for (index, object) in scene.objects.iter().enumerate() {
-            let range = assembly.triangle_range.get(index).cloned().unwrap_or(0..0);
-            match &object.geometry {
-                scene::Geometry::Shape(shape) if exact => {
-                    let place = &object.world_from_object;
-                    if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
-                        items.push(SOLID + solids.len() as u32);
-                        solids.push(solid);
-                    }
-                }
-                _ => items.extend(range),
-            }
-        }
+        let (items, solids) = gather(scene, assembly, exact);
         let mut surfaces = Self {
             scene,
             assembly,
@@ -315,6 +301,26 @@ impl<'a, R: Real> Surfaces<'a, R> {
             skip: [hit.item; 2],
         }
     }
+}
+
+/// The items of a scene in file order, and its exact shapes.
+fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, Vec<Solid>) {
+    let mut items = Vec::with_capacity(assembly.triangles.len());
+    let mut solids = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let range = assembly.triangle_range.get(index).cloned().unwrap_or(0..0);
+        match &object.geometry {
+            scene::Geometry::Shape(shape) if exact => {
+                let place = &object.world_from_object;
+                if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
+                    items.push(SOLID + solids.len() as u32);
+                    solids.push(solid);
+                }
+            }
+            _ => items.extend(range),
+        }
+    }
+    (items, solids)
 }
 
 fn in_range(ray: &Ray, hit: &Hit) -> bool {
