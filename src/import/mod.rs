@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 pub use schema::schema;
 pub use shipped::{Shipped, shipped};
 
-use crate::error::{Error, Note};
+use crate::error::{Error, Note, Place};
 use crate::scene::Scene;
 use document::Document;
 use native::Contents;
@@ -57,8 +57,10 @@ pub struct Imported {
     pub scene: Scene,
     /// What was dropped, invented or doubted.
     pub notes: Vec<Note>,
-    /// What was loaded: the path, or the name of the shipped scene.
+    /// What was loaded: the path, or "shipped scene NAME".
     pub source: String,
+    /// The files that were read, the scene file first; none for a shipped scene.
+    pub files: Vec<PathBuf>,
     /// What of the camera was fitted.
     pub fitted: Fitted,
 }
@@ -75,8 +77,11 @@ pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
     }
     match shipped().iter().find(|scene| scene.name == name) {
         Some(scene) => {
+            let source = format!("shipped scene {name}");
             let file = format!("{name}.toml");
-            load_toml(&file, scene.text.to_owned(), &Home::Embedded, name, options)
+            let text = scene.text.to_owned();
+            let imported = load_toml(&file, text, Home::Embedded, name, options)?;
+            Ok(Imported { source, ..imported })
         }
         None => Err(unknown(name)),
     }
@@ -88,17 +93,16 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
     };
     let file = part(path.file_name());
     let stem = part(path.file_stem());
-    let folder = path.parent().map_or(PathBuf::new(), Path::to_path_buf);
-    let home = Home::Folder(folder);
+    let home = Home::folder(path.parent().map_or(PathBuf::new(), Path::to_path_buf));
     match part(path.extension()).to_lowercase().as_str() {
         _ if path.is_dir() => Err(text::folder(name)),
         "toml" => {
             let text = text::utf8(name, home.read(&file, MAX_TEXT)?)?;
-            load_toml(name, text, &home, &stem, options)
+            load_toml(name, text, home, &stem, options)
         }
-        "obj" => load_obj(name, &file, &home, &stem, options),
+        "obj" => load_obj(name, &file, home, &stem, options),
         other => Err(Error::Unsupported {
-            place: Some(crate::error::Place::file(name)),
+            place: Some(Place::file(name)),
             message: match other {
                 "" => "a scene file needs an extension".into(),
                 other => format!("files of type .{other} are not imported"),
@@ -111,17 +115,18 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
 fn load_toml(
     file: &str,
     text: String,
-    home: &Home,
+    home: Home,
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
     let document = Document::parse(file, text, &options.sets)?;
-    let (mut scene, notes, fitted) = native::read(&document, home, Contents::default())?;
+    let (mut scene, notes, fitted) = native::read(&document, &home, Contents::default())?;
     scene.name = stem.to_owned();
     Ok(Imported {
         scene,
         notes,
         source: file.to_owned(),
+        files: home.files(),
         fitted,
     })
 }
@@ -129,14 +134,14 @@ fn load_toml(
 fn load_obj(
     name: &str,
     file: &str,
-    home: &Home,
+    home: Home,
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
-    // Overrides are checked before the mesh is read, which may take a while.
+    // Overrides are parsed before the mesh is read, which may take a while.
     let document = Document::parse(name, obj::INVENTED_LIGHTS.to_owned(), &options.sets)?;
-    let (contents, mut notes) = obj::contents(home, file, stem)?;
-    let (mut scene, more, fitted) = native::read(&document, home, contents)?;
+    let (contents, mut notes) = obj::contents(&home, file, stem)?;
+    let (mut scene, more, fitted) = native::read(&document, &home, contents)?;
     notes.push(Note {
         place: None,
         message: "the file has no lights: two were invented, light.key and light.fill".into(),
@@ -147,6 +152,7 @@ fn load_obj(
         scene,
         notes,
         source: name.to_owned(),
+        files: home.files(),
         fitted,
     })
 }
