@@ -4,6 +4,7 @@
 //! *one* scene, so whatever differs between their pictures has a cause with a name.
 #![deny(unsafe_code)]
 
+pub mod decompose;
 pub mod error;
 pub mod frame;
 pub mod gl;
@@ -11,5 +12,8 @@ pub mod import;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+pub mod raster;
+pub mod report;
 pub mod sampling;
 pub mod scene;
+pub mod trace;

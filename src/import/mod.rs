@@ -23,6 +23,7 @@ pub mod text;
 
 use std::path::{Path, PathBuf};
 
+pub use keys::{MAX_PIXELS, MAX_SIDE};
 pub use schema::schema;
 pub use shipped::{Shipped, shipped};
 
@@ -75,16 +76,20 @@ pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
     if path.exists() {
         return load_path(path, name, options);
     }
-    match shipped().iter().find(|scene| scene.name == name) {
-        Some(scene) => {
-            let source = format!("shipped scene {name}");
-            let file = format!("{name}.toml");
-            let text = scene.text.to_owned();
-            let imported = load_toml(&file, text, Home::Embedded, name, options)?;
-            Ok(Imported { source, ..imported })
-        }
-        None => Err(unknown(name)),
-    }
+    let text = shipped_text(name)?.to_owned();
+    let file = format!("{name}.toml");
+    let imported = load_toml(&file, text, Home::Embedded, name, options)?;
+    let source = format!("shipped scene {name}");
+    Ok(Imported { source, ..imported })
+}
+
+/// The text of a shipped scene.
+///
+/// # Errors
+/// An unknown name; names that are close to it are told.
+pub fn shipped_text(name: &str) -> Result<&'static str, Error> {
+    let found = shipped().iter().find(|scene| scene.name == name);
+    found.map(|scene| scene.text).ok_or_else(|| unknown(name))
 }
 
 fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported, Error> {

@@ -1,0 +1,304 @@
+//! `rastray compare`: both pictures and every difference, into a folder.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use rastray::decompose::{self, CAUSES, Ladder, decompose};
+use rastray::error::Error;
+use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
+use rastray::import::Imported;
+use rastray::report::Report;
+use rastray::report::equation::{Form, Term};
+use rastray::report::files::{self, View};
+use rastray::report::layered::{self, NamedLayer};
+use rastray::report::page::NamedPlane;
+use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
+use rastray::scene::Scene;
+use rastray::scene::tessellate::DEFAULT_LEVEL;
+use rastray_compare::{Encoding, ImageView, Map, Reduction, metrics, signed_map, summarize};
+use serde_json::{Value, json};
+
+use super::options::{Quality, Verbosity, apply};
+use super::{CompareArgs, PrecisionArg, commands};
+
+pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
+    let start = Instant::now();
+    let mut imported = commands::load(&args.scene, verbosity)?;
+    let quality = apply(&args.quality, &mut imported.scene)?;
+    let path = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}-compare", imported.scene.name)));
+    if path.is_file() {
+        let message = format!("{}: a file, expected a folder", path.display());
+        return Err(Error::parameter("--output", message));
+    }
+    let options = ladder_options(args, &quality);
+    let step = |name: &str| verbosity.step(name);
+    let ladder = match args.quality.precision {
+        PrecisionArg::F32 => decompose::<f32>(&imported.scene, &options, &step)?,
+        PrecisionArg::F64 => decompose::<f64>(&imported.scene, &options, &step)?,
+    };
+    let render_seconds = start.elapsed().as_secs_f64();
+    let view = if args.quality.srgb {
+        View::Srgb
+    } else {
+        View::Linear
+    };
+    let comparison = Comparison {
+        imported: &imported,
+        ladder: &ladder,
+    };
+    let report = Report {
+        title: imported.scene.name.clone(),
+        command: command_line(),
+        form: comparison.form(),
+        view,
+        raster: to_f32(&ladder.rungs[0]),
+        trace: to_f32(&ladder.rungs[9]),
+        difference: signed(&ladder.total())?,
+        cause_maps: comparison.cause_maps()?,
+        terms: comparison.terms(),
+        buildup: comparison.buildup(),
+        summary: comparison.summary(start, render_seconds)?,
+        notes: imported.notes.clone(),
+        settings: settings(args, &imported.scene, &quality),
+    };
+    verbosity.step("figures and page");
+    files::create_folder(&path)?;
+    files::write_bytes_atomic(&path.join("layers.exr"), &comparison.layers(view)?)?;
+    report.write(&path)?;
+    verbosity.say(path.join("index.html").display());
+    if args.json {
+        let text = report.summary.to_json();
+        commands::print(&text.map_err(|e| Error::limit(format!("summary.json: {e}")))?)?;
+    }
+    Ok(())
+}
+
+fn ladder_options(args: &CompareArgs, quality: &Quality) -> decompose::Options {
+    decompose::Options {
+        level: quality.level,
+        isa: quality.isa,
+        model: quality.model,
+        shadows: !args.quality.no_shadows,
+        reflection: !args.quality.no_reflection,
+        refraction: !args.quality.no_refraction,
+    }
+}
+
+/// Pictures of non-empty, finite planes of one size cannot be refused; if they are, it says so.
+fn figure<T>(result: Result<T, rastray_compare::CompareError>) -> Result<T, Error> {
+    result.map_err(|e| Error::limit(format!("cannot compare the pictures: {e}")))
+}
+
+fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
+    plane.map(|c| c.map(|x| x as f32))
+}
+
+/// The signed map of a difference.
+fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+    let Plane {
+        width,
+        height,
+        data,
+    } = difference;
+    figure(signed_map(*width, *height, data, Reduction::Largest))
+}
+
+/// A scene and its ladder, on the way to a report.
+struct Comparison<'a> {
+    imported: &'a Imported,
+    ladder: &'a Ladder,
+}
+
+impl Comparison<'_> {
+    /// One map a cause, in ladder order.
+    fn cause_maps(&self) -> Result<Vec<Map>, Error> {
+        (0..CAUSES.len())
+            .map(|i| signed(&self.ladder.cause(i)))
+            .collect()
+    }
+
+    /// Each layer of the traced picture; the remainder is rounding, not a term.
+    fn terms(&self) -> Vec<NamedPlane> {
+        let layers = &self.ladder.trace_layers;
+        let named = layers
+            .names
+            .iter()
+            .zip(&layers.planes)
+            .filter(|(name, _)| *name != "remainder");
+        named
+            .map(|(name, plane)| NamedPlane {
+                name: name.clone(),
+                plane: plane.clone(),
+            })
+            .collect()
+    }
+
+    /// The equation growing term by term: local terms of the primary hits, then shadows, mirror, refraction.
+    fn buildup(&self) -> Vec<(Term, Plane<[f32; 3]>)> {
+        let local = &self.ladder.local_layers;
+        let lights = self.imported.scene.enabled_lights().count();
+        let sums = (0..4).map(|kinds| partial_sum(local, lights, kinds));
+        let traced = [6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung]));
+        Term::ALL.into_iter().zip(sums.chain(traced)).collect()
+    }
+
+    /// How this scene writes the equation: its specular form, and whether every mirror weight is K_S.
+    fn form(&self) -> Form {
+        let scene = &self.imported.scene;
+        let mut mirrors = scene.materials.iter().filter(|m| m.optics.is_mirror());
+        Form {
+            specular: scene.light_model.specular_model,
+            mirror_is_specular: mirrors.all(|m| m.optics.reflection == m.front.specular),
+        }
+    }
+
+    /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.
+    fn layers(&self, view: View) -> Result<Vec<u8>, Error> {
+        let ladder = self.ladder;
+        let mut all = named("", &ladder.trace_layers);
+        all.extend(named("raster.", &ladder.raster_layers));
+        layered::exr(Some(&ladder.trace_color), view, &all)
+    }
+
+    fn summary(&self, start: Instant, render_seconds: f64) -> Result<Summary, Error> {
+        let ladder = &self.ladder;
+        let (raster, trace) = (to_f32(&ladder.rungs[0]), to_f32(&ladder.rungs[9]));
+        let (width, height) = (raster.width, raster.height);
+        let reference = figure(ImageView::new(
+            width,
+            height,
+            &raster.data,
+            Encoding::Linear,
+        ))?;
+        let test = figure(ImageView::new(width, height, &trace.data, Encoding::Linear))?;
+        let mut causes = Vec::new();
+        for (i, name) in CAUSES.iter().enumerate() {
+            let step = figure(summarize(width, height, &ladder.cause(i).data))?;
+            causes.push(Cause::new(*name, &step));
+        }
+        let agreement = &ladder.agreement;
+        let coverage = agreement.coverage;
+        Ok(Summary {
+            size: [width, height],
+            metrics: figure(metrics(&test, &reference))?.into(),
+            agreement: Agreement {
+                interior_max: agreement.interior_max,
+                interior_mean: agreement.interior_mean,
+                edge_pixels: agreement.edge_pixels as usize,
+                coverage: Coverage {
+                    both: coverage.both as usize,
+                    raster_only: coverage.raster_only as usize,
+                    trace_only: coverage.trace_only as usize,
+                },
+            },
+            causes,
+            residual_max: ladder.residual_max,
+            limited_pixels: ladder.limited_pixels as usize,
+            counters: counters(ladder),
+            seconds: seconds(ladder, start, render_seconds),
+        })
+    }
+}
+
+/// The command line as it could be typed again.
+fn command_line() -> String {
+    let quote = |arg: String| {
+        let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
+        if !arg.is_empty() && arg.chars().all(plain) {
+            arg
+        } else {
+            format!("'{arg}'")
+        }
+    };
+    let mut words = vec!["rastray".to_owned()];
+    words.extend(std::env::args().skip(1).map(quote));
+    words.join(" ")
+}
+
+/// What was rendered how, for the page.
+fn settings(args: &CompareArgs, scene: &Scene, quality: &Quality) -> Vec<(String, String)> {
+    let image = &scene.image;
+    let precision = match args.quality.precision {
+        PrecisionArg::F32 => "f32",
+        PrecisionArg::F64 => "f64",
+    };
+    let pairs = [
+        ("size", format!("{}x{}", image.width, image.height)),
+        ("samples", image.samples.to_string()),
+        (
+            "shading",
+            format!("{:?}", scene.raster.shading).to_lowercase(),
+        ),
+        (
+            "tessellation",
+            quality.level.unwrap_or(DEFAULT_LEVEL).to_string(),
+        ),
+        ("depth", scene.trace.depth.to_string()),
+        ("precision", precision.to_owned()),
+        ("snap", scene.raster.snap.bits().to_string()),
+        ("isa", quality.isa.name().to_owned()),
+        ("threads", rayon::current_num_threads().to_string()),
+    ];
+    pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
+}
+
+/// The picture with emission, then ambient, then diffuse, then specular (`kinds` = 0 to 3), in the stated order.
+fn partial_sum(layers: &Layers<f32>, lights: usize, kinds: usize) -> Plane<[f32; 3]> {
+    let index = LayerIndex { lights };
+    let mut used = vec![LayerIndex::EMISSION];
+    if kinds > 0 {
+        used.push(LayerIndex::AMBIENT);
+        used.extend((0..lights).flat_map(|light| (0..kinds).map(move |k| index.light(light) + k)));
+    }
+    let first = &layers.planes[0];
+    let pixel = |i: usize| {
+        sum_in_order(
+            used.iter().map(|l| layers.planes[*l].data[i]),
+            layers.signed,
+        )
+    };
+    let data = (0..first.data.len()).map(pixel).collect();
+    Plane {
+        width: first.width,
+        height: first.height,
+        data,
+    }
+}
+
+/// The layers with a prefix to their names.
+fn named<'a>(prefix: &str, layers: &'a Layers<f32>) -> Vec<NamedLayer<'a>> {
+    let pairs = layers.names.iter().zip(&layers.planes);
+    pairs
+        .map(|(name, plane)| NamedLayer {
+            name: format!("{prefix}{name}"),
+            plane,
+        })
+        .collect()
+}
+
+fn counters(ladder: &Ladder) -> serde_json::Map<String, Value> {
+    let mut all = serde_json::Map::new();
+    all.insert("triangles".into(), json!(ladder.triangles));
+    for work in &ladder.work {
+        let value = match (&work.raster, &work.trace) {
+            (Some(raster), _) => json!(raster),
+            (_, Some(trace)) => json!(trace),
+            _ => continue,
+        };
+        all.insert(format!("rung {}", work.rungs), value);
+    }
+    all
+}
+
+fn seconds(ladder: &Ladder, start: Instant, render: f64) -> serde_json::Map<String, Value> {
+    let mut all = serde_json::Map::new();
+    for work in &ladder.work {
+        all.insert(format!("rung {}", work.rungs), json!(work.seconds));
+    }
+    all.insert("render".into(), json!(render));
+    all.insert("total".into(), json!(start.elapsed().as_secs_f64()));
+    all
+}

@@ -1,0 +1,314 @@
+//! The rasterizer: triangles to a picture, as OpenGL's fixed function draws them.
+//!
+//! In: a [`Scene`] and its [`Assembly`] (eye-space vertices). Out: a [`Frame`] of unclamped or GL-clamped linear colours,
+//! depth, primitive and object numbers, layers if asked for; and [`Counters`]. Pixel frame: y down, (0, 0) top-left.
+//!
+//! Stages: project and snap vertices (`view`); set up, clip, cull and bin triangles (`setup`, `clip`); then tile by tile, in
+//! parallel, for each sample: visibility from integer edge functions (`edges`, `tile`), weights at the unsnapped place
+//! (`attribute`), lighting of what is seen (`shade`). [`Plan::new`] does the first two, which no option changes;
+//! [`Plan::draw`] the rest. GL 2.1 sections 2.11, 2.12, 2.14, 3.5, 3.9, 4.1.6.
+//!
+//! Every sample is resolved visibility-first and shaded once: all surfaces are opaque. Depth ties go to the lowest
+//! primitive number. Bytes do not depend on the number of threads: tiles do not meet, and sums over samples are in order.
+//!
+//! Left out: points, lines, user clip planes, polygon offset, fog, blending, textures.
+
+mod attribute;
+mod clip;
+mod coverage;
+mod draw;
+mod edges;
+mod lit;
+mod outline;
+mod setup;
+mod shade;
+mod slots;
+mod tile;
+mod view;
+
+pub use coverage::{Run, coverage, coverage_clip_space, depth_key, perspective_weights};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::frame::{Frame, Layers};
+use crate::gl;
+use crate::lanes::{Isa, Real};
+use crate::lighting::Rig;
+use crate::math::DVec2;
+use crate::math::float::normalize;
+use crate::sampling::{self, Pattern};
+use crate::scene::assembly::Assembly;
+use crate::scene::requirements::{self, Feature, Model, Requirements};
+use crate::scene::{Projection, Scene};
+use draw::Drawer;
+use lit::Mode;
+use setup::{Builder, Chunk, SampleBox, TileGrid};
+use view::{Vertex, View};
+
+/// The most pixels a picture may have.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// How one picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Flat, Gouraud or per-fragment; instead of the scene's own.
+    pub shading: gl::ShadeModel,
+    /// GL's clamps to [0, 1]: per vertex (flat, Gouraud) or per fragment (Phong), then the fragment's colour sum.
+    pub clamp: bool,
+    /// Also the terms of the equation. They describe the unclamped picture.
+    pub layers: bool,
+    /// Instruction set of the lighting.
+    pub isa: Isa,
+}
+
+/// What a draw did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counters {
+    /// Evaluations of the equation at vertices: once a tile that sees the vertex, and surface.
+    pub vertices_shaded: u64,
+    /// Triangles of the assembly = outside + culled + degenerate + drawn.
+    pub triangles_in: u64,
+    /// Beyond the picture, near or far, not finite, or between samples.
+    pub triangles_outside: u64,
+    /// Dropped by facing.
+    pub triangles_culled: u64,
+    /// Edge-on, or without area once snapped.
+    pub triangles_degenerate: u64,
+    /// Drawn, and cut by near, far or the guard band.
+    pub triangles_clipped: u64,
+    /// Handed to at least one tile.
+    pub triangles_drawn: u64,
+    /// Samples in the boxes around triangles.
+    pub fragments_tested: u64,
+    /// Samples inside triangles.
+    pub fragments_covered: u64,
+    /// Samples that were nearest so far.
+    pub fragments_passed: u64,
+    /// Evaluations of the equation, vertices included.
+    pub points_shaded: u64,
+}
+
+impl Counters {
+    /// Both together.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            vertices_shaded: self.vertices_shaded + other.vertices_shaded,
+            triangles_in: self.triangles_in + other.triangles_in,
+            triangles_outside: self.triangles_outside + other.triangles_outside,
+            triangles_culled: self.triangles_culled + other.triangles_culled,
+            triangles_degenerate: self.triangles_degenerate + other.triangles_degenerate,
+            triangles_clipped: self.triangles_clipped + other.triangles_clipped,
+            triangles_drawn: self.triangles_drawn + other.triangles_drawn,
+            fragments_tested: self.fragments_tested + other.fragments_tested,
+            fragments_covered: self.fragments_covered + other.fragments_covered,
+            fragments_passed: self.fragments_passed + other.fragments_passed,
+            points_shaded: self.points_shaded + other.points_shaded,
+        }
+    }
+}
+
+/// A scene ready to be drawn: everything that the options do not change.
+pub struct Plan<'a, R> {
+    scene: &'a Scene,
+    assembly: &'a Assembly<R>,
+    rig: Rig<R>,
+    /// Back faces are lit apart: asked for by the light model, and seen in some product.
+    two_sided: bool,
+    view: View,
+    grid: TileGrid,
+    chunks: Vec<Chunk>,
+}
+
+impl<'a, R: Real> Plan<'a, R> {
+    /// Projects, clips, culls and bins the triangles of an assembly of this scene.
+    pub fn new(scene: &'a Scene, assembly: &'a Assembly<R>, model: Model) -> Self {
+        let size = [scene.image.width, scene.image.height];
+        let (camera, raster) = (&scene.camera, &scene.raster);
+        let view = View::new(camera, size, raster.snap, raster.front_face);
+        let drawable = check_image(scene).is_ok();
+        let grid = TileGrid {
+            size: if drawable {
+                size.map(|n| n as usize)
+            } else {
+                [0; 2]
+            },
+            origin: [0; 2],
+        };
+        let needs = Requirements::plan(scene, requirements::Mode::Raster, model);
+        let mut plan = Self {
+            scene,
+            assembly,
+            rig: Rig::new(&scene.lights_eye(), &scene.light_model),
+            two_sided: scene.light_model.two_sided && needs.has(Feature::TwoSide),
+            view,
+            grid,
+            chunks: Vec::new(),
+        };
+        if drawable {
+            plan.chunks = plan.set_up();
+        }
+        plan
+    }
+
+    /// Draws the picture.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a picture without pixels or samples, [`Error::Limit`] for one that is too large.
+    pub fn draw(&self, options: &Options) -> Result<(Frame<R>, Counters), Error> {
+        check_image(self.scene)?;
+        let [width, height] = self.grid.size;
+        let mode = Mode::new(self, options);
+        let mut frame = Frame::empty(width, height);
+        if options.layers {
+            let names = self.scene.light_names();
+            frame.layers = Some(Layers::zero(&names, width, height, mode.signed));
+        }
+        let drawn = Drawer::new(self, &mode, options).bands(&mut frame);
+        let counters = self.chunks.iter().map(|chunk| &chunk.counters);
+        let counters = counters.fold(drawn, |sum, c| sum.plus(c));
+        Ok((frame, counters))
+    }
+
+    /// The corners of a primitive.
+    fn corners(&self, primitive: u32) -> [Vertex; 3] {
+        let corners = self.assembly.triangles[primitive as usize];
+        corners.map(|v| {
+            self.view
+                .vertex(self.assembly.vertex_eye(v).map(Real::to_f64))
+        })
+    }
+
+    /// Unit vector to the viewer: towards the eye, or (0, 0, 1) for an infinite viewer (GL 2.1 section 2.14.1).
+    fn to_viewer(&self, position_eye: [R; 3]) -> [R; 3] {
+        if self.scene.light_model.local_viewer {
+            normalize(position_eye.map(|x| -x)).0
+        } else {
+            [R::ZERO, R::ZERO, R::ONE]
+        }
+    }
+
+    /// The material of a surface number.
+    fn material(&self, surface: usize) -> &gl::Material {
+        let material = &self.scene.materials[surface / 2];
+        match &material.back {
+            Some(back) if surface % 2 == 1 => back,
+            _ => &material.front,
+        }
+    }
+
+    /// Vertex stage and triangle setup, in chunks of consecutive primitives.
+    fn set_up(&self) -> Vec<Chunk> {
+        let snapped = self.snap_vertices();
+        let triangles = &self.assembly.triangles;
+        let samples = self.sample_box();
+        // Enough chunks to share out, few enough that their tile tables stay small.
+        let length = triangles.len().div_ceil(256).max(4096);
+        let chunks = triangles.par_chunks(length).enumerate();
+        chunks
+            .map(|(index, part)| {
+                let cull = self.scene.raster.cull;
+                let mut builder = Builder::new(&self.view, self.grid, samples, cull);
+                for (i, corners) in part.iter().enumerate() {
+                    let primitive = (index * length + i) as u32;
+                    let places = corners.map(|v| snapped[v as usize]);
+                    if places.contains(&NEEDS_CLIPPING) {
+                        builder.clipped(primitive, self.corners(primitive));
+                    } else {
+                        builder.inside(primitive, places, || self.corners(primitive));
+                    }
+                }
+                builder.finish()
+            })
+            .collect()
+    }
+
+    /// Snapped pixel coordinates of the vertices, or [`NEEDS_CLIPPING`].
+    fn snap_vertices(&self) -> Vec<[i32; 2]> {
+        let [x, y, z] = &self.assembly.position_eye;
+        (x, y, z)
+            .into_par_iter()
+            .map(|(x, y, z)| {
+                let v = self.view.vertex([x, y, z].map(|x| x.to_f64()));
+                let inside = v.distance >= self.view.near && v.distance <= self.view.far;
+                let small = |p: &[i64; 2]| p.iter().all(|c| c.abs() <= edges::SMALL_UNITS);
+                match self.view.snap(&v).filter(small) {
+                    Some(place) if inside => place.map(|c| c as i32),
+                    _ => NEEDS_CLIPPING,
+                }
+            })
+            .collect()
+    }
+
+    /// The place of a sample in its pixel, in 1/256 px.
+    fn sample_offset(&self, x: u32, y: u32, sample: u32) -> [i64; 2] {
+        let image = &self.scene.image;
+        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, sample);
+        [i64::from(sx), i64::from(sy)]
+    }
+
+    fn sample_box(&self) -> SampleBox {
+        match self.scene.image.pattern {
+            Pattern::Jitter => SampleBox {
+                min: [0; 2],
+                max: [i64::from(sampling::SUBPIXEL) - 1; 2],
+            },
+            Pattern::Grid => {
+                let first = self.sample_offset(0, 0, 0);
+                let last = self.sample_offset(0, 0, self.scene.image.samples - 1);
+                SampleBox {
+                    min: first,
+                    max: last,
+                }
+            }
+        }
+    }
+
+    /// X and Y of the ray through a place of the pixel frame: what weights and depth keys are evaluated at.
+    fn ray(&self, x: f64, y: f64) -> [f64; 2] {
+        let [width, height] = self.grid.size.map(|n| n as u32);
+        let camera = &self.scene.camera;
+        let (origin, direction) = camera.primary_ray(DVec2::new(x, y), width, height);
+        match camera.projection {
+            Projection::Perspective { .. } => [direction.x, direction.y],
+            Projection::Orthographic { .. } => [origin.x, origin.y],
+        }
+    }
+}
+
+/// A vertex beyond near, far or 2^29 units: its triangles take the long way.
+const NEEDS_CLIPPING: [i32; 2] = [i32::MIN; 2];
+
+fn check_image(scene: &Scene) -> Result<(), Error> {
+    let image = &scene.image;
+    let pixels = u64::from(image.width) * u64::from(image.height);
+    if pixels == 0 {
+        let size = format!("{}x{}", image.width, image.height);
+        return Err(Error::parameter(
+            "size",
+            format!("a picture of {size} pixels shows nothing"),
+        ));
+    }
+    if pixels > MAX_PIXELS || image.width.max(image.height) > 1 << 17 {
+        return Err(Error::limit(format!(
+            "a picture of {}x{} pixels exceeds {MAX_PIXELS} pixels, or {} in one direction",
+            image.width,
+            image.height,
+            1 << 17
+        ))
+        .with_help("draw it smaller"));
+    }
+    if !(1..=sampling::MAX_SAMPLES).contains(&image.samples) {
+        return Err(Error::parameter(
+            "samples",
+            format!(
+                "expected 1 to {}, found {}",
+                sampling::MAX_SAMPLES,
+                image.samples
+            ),
+        ));
+    }
+    Ok(())
+}

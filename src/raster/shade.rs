@@ -1,0 +1,329 @@
+//! From visible samples to colours: gather what a tile sees, light it in batches, put the colours back.
+//!
+//! In: the visibility of a tile. Out: sums over samples, in f64, of colours and layers. Per-vertex shading (flat, Gouraud)
+//! lights each vertex that a tile sees once a tile; per-fragment shading lights each visible sample. Both go through
+//! [`Batches`], so the equation always meets many points of one material.
+//!
+//! GL's clamps stand where the GL has them (GL 2.1 sections 2.14.6 and 3.9): each lit point's colour (primary and secondary
+//! apart under separate specular), then the sum at the fragment.
+
+use super::attribute::{Weights, mix, mix3};
+use super::lit::{Lit, Mode, Output};
+use super::setup::{TILE, TileArea};
+use super::slots::SlotMap;
+use super::tile::{Samples, Visibility};
+use super::view::orientation;
+use super::{Counters, Options, Plan};
+use crate::frame::{LayerIndex, NONE};
+use crate::gl::ShadeModel;
+use crate::lanes::Real;
+use crate::lighting::{Batches, surface};
+use crate::math::color::clamp_rgb;
+use crate::math::float::normalize;
+
+/// A visible sample.
+#[derive(Clone, Copy, Debug)]
+struct Fragment {
+    /// Place in the tile, row-major with stride [`TILE`].
+    at: u16,
+    /// Numbers of its lit points: three vertices (Gouraud), or one point three times.
+    points: [u32; 3],
+    weights: [f64; 3],
+}
+
+/// Sums over the samples of a tile, row-major with stride [`TILE`].
+#[derive(Clone, Debug)]
+pub(super) struct Sums<R> {
+    /// Colour of the picture.
+    pub(super) color: Vec<[f64; 3]>,
+    /// Unclamped colour, where the mode keeps it; else empty.
+    pub(super) plain: Vec<[f64; 3]>,
+    /// The layers, where asked for.
+    pub(super) layers: Vec<Vec<[f64; 3]>>,
+    /// Distance along -z at the first sample.
+    pub(super) depth: Vec<R>,
+    /// Primitive at the first sample.
+    pub(super) primitive: Vec<u32>,
+}
+
+impl<R: Real> Sums<R> {
+    /// Nothing summed yet.
+    pub(super) fn new(mode: &Mode) -> Self {
+        let zero = || vec![[0.0; 3]; TILE * TILE];
+        Self {
+            color: zero(),
+            plain: if mode.keeps_plain() {
+                zero()
+            } else {
+                Vec::new()
+            },
+            layers: (0..mode.layer_count()).map(|_| zero()).collect(),
+            depth: vec![R::INFINITY; TILE * TILE],
+            primitive: vec![NONE; TILE * TILE],
+        }
+    }
+}
+
+/// The triangle that the last sample showed.
+struct Current {
+    primitive: u32,
+    weights: Weights,
+    distance: [f64; 3],
+    corners: [u32; 3],
+    surface: usize,
+    points: [u32; 3],
+}
+
+/// One sample of each pixel of a tile, about to be shaded.
+#[derive(Clone, Copy)]
+pub(super) struct Pass<'a, 's, R> {
+    /// The scene.
+    pub(super) plan: &'a Plan<'s, R>,
+    /// How points are lit.
+    pub(super) mode: &'a Mode,
+    /// The draw's options.
+    pub(super) options: &'a Options,
+    /// The tile.
+    pub(super) area: &'a TileArea,
+    /// Its samples.
+    pub(super) samples: &'a Samples<'a>,
+    /// The frame keeps this sample's depth and primitive.
+    pub(super) first: bool,
+}
+
+/// Memory of one worker, reused from tile to tile.
+pub(super) struct Workspace<R> {
+    /// What the tile sees.
+    pub(super) visibility: Visibility,
+    fragments: Vec<Fragment>,
+    slots: SlotMap,
+    lit: Lit<R>,
+    batches: Batches<R>,
+    output: Output<R>,
+}
+
+impl<R: Real> Workspace<R> {
+    /// Empty, for a scene with this many materials.
+    pub(super) fn new(materials: usize) -> Self {
+        Self {
+            visibility: Visibility::new(),
+            fragments: Vec::new(),
+            slots: SlotMap::new(),
+            lit: Lit::default(),
+            output: Output::default(),
+            batches: Batches::new(materials),
+        }
+    }
+
+    /// Forgets the vertices lit for the last tile.
+    pub(super) fn start_tile(&mut self) {
+        self.slots.clear();
+    }
+
+    /// Shades what the visibility buffer shows of one sample a pixel and adds it to the sums.
+    pub(super) fn sample(
+        &mut self,
+        pass: &Pass<'_, '_, R>,
+        sums: &mut Sums<R>,
+        counters: &mut Counters,
+    ) {
+        self.gather(pass);
+        self.light(pass, counters);
+        if pass.first {
+            self.keep_depth(pass.plan, sums);
+        }
+        self.add_background(pass, sums);
+        self.add_colors(pass.mode, sums);
+    }
+
+    /// Lists the visible samples, and the points to be lit for them.
+    fn gather(&mut self, pass: &Pass<'_, '_, R>) {
+        self.fragments.clear();
+        let range = [pass.plan.view.near, pass.plan.view.far];
+        let mut current: Option<Current> = None;
+        for y in 0..pass.area.size[1] {
+            for x in 0..pass.area.size[0] {
+                let at = y * TILE + x;
+                let primitive = self.visibility.primitive[at];
+                if primitive == NONE {
+                    continue;
+                }
+                let seen = match current.take() {
+                    Some(seen) if seen.primitive == primitive => seen,
+                    _ => self.meet(pass.plan, pass.mode, primitive),
+                };
+                let ray = pass.samples.ray(x, y);
+                let weights = seen.weights.between(ray, seen.distance, range);
+                let mut points = seen.points;
+                if pass.mode.shading == ShadeModel::Phong {
+                    let tag = self.fragments.len() as u32;
+                    self.push_fragment(pass.plan, &seen, weights, tag);
+                    points = [tag; 3];
+                }
+                self.fragments.push(Fragment {
+                    at: at as u16,
+                    points,
+                    weights,
+                });
+                current = Some(seen);
+            }
+        }
+    }
+
+    /// Prepares a triangle that comes into sight, and its vertices where shading is per vertex.
+    fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
+        let corners = plan.assembly.triangles[primitive as usize];
+        let vertices = plan.corners(primitive);
+        let homogeneous = vertices.map(|v| v.homogeneous());
+        // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
+        let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
+        let material = plan.assembly.material[primitive as usize] as usize;
+        let surface = surface(material, back);
+        let points = match mode.shading {
+            ShadeModel::Phong => [0; 3],
+            // The provoking vertex is the last (GL 2.1 section 2.14.7).
+            ShadeModel::Flat => [self.push_vertex(plan, corners[2], surface); 3],
+            ShadeModel::Gouraud => corners.map(|v| self.push_vertex(plan, v, surface)),
+        };
+        Current {
+            primitive,
+            weights: Weights::new(homogeneous),
+            distance: vertices.map(|v| v.distance),
+            corners,
+            surface,
+            points,
+        }
+    }
+
+    /// The number of a lit vertex; it joins the batches when first met.
+    fn push_vertex(&mut self, plan: &Plan<'_, R>, vertex: u32, surface: usize) -> u32 {
+        let (slot, new) = self.slots.number(vertex, surface as u32);
+        if new {
+            let position = plan.assembly.vertex_eye(vertex);
+            let normal = turned(plan.assembly.vertex_normal(vertex), surface);
+            let viewer = plan.to_viewer(position);
+            self.batches.push(surface, slot, position, normal, viewer);
+            if let Some(length) = plan.assembly.normal_length.get(vertex as usize) {
+                let points = &mut self.batches.batch(surface).points;
+                points.normal_length.push(*length);
+            }
+        }
+        slot
+    }
+
+    /// Puts an interpolated place into the batches; its normal is renormalised.
+    fn push_fragment(&mut self, plan: &Plan<'_, R>, seen: &Current, weights: [f64; 3], tag: u32) {
+        let position = mix3(weights, seen.corners.map(|v| plan.assembly.vertex_eye(v)));
+        let normals = seen.corners.map(|v| plan.assembly.vertex_normal(v));
+        let raw = [0, 1, 2].map(|k| mix(weights, normals.map(|n| n[k])));
+        let normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+        let viewer = plan.to_viewer(position);
+        self.batches
+            .push(seen.surface, tag, position, normal, viewer);
+    }
+
+    /// Evaluates the equation for all batches.
+    fn light(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
+        let mode = pass.mode;
+        let per_vertex = mode.shading != ShadeModel::Phong;
+        let count = if per_vertex {
+            self.slots.len()
+        } else {
+            self.fragments.len()
+        };
+        self.lit.resize(mode, count);
+        for batch in self.batches.iter() {
+            self.lit.light(pass, batch, &mut self.output);
+            let points = batch.points.len() as u64;
+            counters.points_shaded += points;
+            if per_vertex {
+                counters.vertices_shaded += points;
+            }
+        }
+        self.batches.clear();
+    }
+
+    fn keep_depth(&self, plan: &Plan<'_, R>, sums: &mut Sums<R>) {
+        sums.primitive.copy_from_slice(&self.visibility.primitive);
+        for fragment in &self.fragments {
+            let at = usize::from(fragment.at);
+            let primitive = self.visibility.primitive[at] as usize;
+            let z = plan.assembly.triangles[primitive].map(|v| plan.assembly.vertex_eye(v)[2]);
+            let distance = -mix(fragment.weights, z);
+            sums.depth[at] = R::from_f64(distance.max(plan.view.near).min(plan.view.far));
+        }
+    }
+
+    fn add_background(&self, pass: &Pass<'_, '_, R>, sums: &mut Sums<R>) {
+        let (mode, area) = (pass.mode, pass.area);
+        let background = pass.plan.scene.image.background.map(R::from_f64);
+        let shown = if mode.clamp {
+            clamp_rgb(background)
+        } else {
+            background
+        };
+        for y in 0..area.size[1] {
+            for at in y * TILE..y * TILE + area.size[0] {
+                if self.visibility.primitive[at] != NONE {
+                    continue;
+                }
+                add(&mut sums.color[at], shown);
+                if mode.keeps_plain() {
+                    add(&mut sums.plain[at], background);
+                }
+                if let Some(emission) = sums.layers.get_mut(LayerIndex::EMISSION) {
+                    add(&mut emission[at], background);
+                }
+            }
+        }
+    }
+
+    fn add_colors(&self, mode: &Mode, sums: &mut Sums<R>) {
+        let lit = &self.lit;
+        for fragment in &self.fragments {
+            let at = usize::from(fragment.at);
+            let pick = |values: &[[R; 3]]| fragment.pick(mode.shading, values);
+            let mut color = pick(&lit.color);
+            if mode.split {
+                let secondary = pick(&lit.secondary);
+                color = [0, 1, 2].map(|k| color[k] + secondary[k]);
+            }
+            if mode.clamp {
+                color = clamp_rgb(color);
+            }
+            add(&mut sums.color[at], color);
+            if mode.keeps_plain() {
+                add(&mut sums.plain[at], pick(&lit.plain));
+            }
+            for (sum, layer) in sums.layers.iter_mut().zip(&lit.layers) {
+                add(&mut sum[at], pick(layer));
+            }
+        }
+    }
+}
+
+impl Fragment {
+    /// The fragment's value of what its points have.
+    fn pick<R: Real>(&self, shading: ShadeModel, values: &[[R; 3]]) -> [R; 3] {
+        let [a, b, c] = self.points.map(|p| p as usize);
+        match shading {
+            ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
+            ShadeModel::Flat | ShadeModel::Phong => values[a],
+        }
+    }
+}
+
+/// The normal of the side that a surface number names: back surfaces turn it round.
+fn turned<R: Real>(normal: [R; 3], surface: usize) -> [R; 3] {
+    if surface % 2 == 1 {
+        normal.map(|x| -x)
+    } else {
+        normal
+    }
+}
+
+fn add<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
+    for (s, x) in sum.iter_mut().zip(value) {
+        *s += x.to_f64();
+    }
+}

@@ -1,0 +1,259 @@
+//! Visibility in one screen tile: which primitive each sample sees.
+//!
+//! In: records in primitive order, the sample of each pixel. Out: primitive number and depth key of each pixel's sample.
+//! Nothing is shaded here, so that each visible sample is shaded once. A nearer key wins, equal keys leave the lower
+//! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by 256, rounded
+//! down: exact, since samples are whole pixels apart), else in 64. Jittered samples always take 64 bits.
+
+use super::Counters;
+use super::edges::{Edges, SAMPLE_BITS};
+use super::setup::{Record, TILE, TileArea, pixels};
+use crate::frame::NONE;
+
+/// The one sample of each pixel that a pass looks at.
+pub(super) enum Samples<'a> {
+    /// The same place in every pixel.
+    Shared {
+        /// From the pixel's corner, in 1/256 px.
+        offset: [i64; 2],
+        /// Ray X of each column of the tile.
+        x: &'a [f64],
+        /// Ray Y of each row of the tile.
+        y: &'a [f64],
+    },
+    /// A place of its own in each pixel, row-major with stride [`TILE`].
+    Each {
+        /// From the pixel's corner, in 1/256 px.
+        offset: &'a [[i64; 2]],
+        /// Ray (X, Y).
+        ray: &'a [[f64; 2]],
+    },
+}
+
+impl Samples<'_> {
+    /// The ray (X, Y) of a pixel of the tile.
+    pub(super) fn ray(&self, x: usize, y: usize) -> [f64; 2] {
+        match self {
+            Self::Shared { x: xs, y: ys, .. } => [xs[x], ys[y]],
+            Self::Each { ray, .. } => ray[y * TILE + x],
+        }
+    }
+}
+
+/// The visibility buffer of a tile, row-major with stride [`TILE`].
+pub(super) struct Visibility {
+    /// Depth key; -infinity where nothing is.
+    key: Vec<f64>,
+    /// Primitive number, or [`NONE`].
+    pub(super) primitive: Vec<u32>,
+}
+
+impl Visibility {
+    /// Sees nothing.
+    pub(super) fn new() -> Self {
+        Self {
+            key: vec![f64::NEG_INFINITY; TILE * TILE],
+            primitive: vec![NONE; TILE * TILE],
+        }
+    }
+
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.key.fill(f64::NEG_INFINITY);
+        self.primitive.fill(NONE);
+    }
+
+    /// Draws one triangle.
+    pub(super) fn draw(
+        &mut self,
+        area: &TileArea,
+        samples: &Samples<'_>,
+        bits: u32,
+        record: &Record,
+        v: [[i64; 2]; 3],
+        counters: &mut Counters,
+    ) {
+        let offsets = match samples {
+            Samples::Shared { offset, .. } => [*offset, *offset],
+            Samples::Each { .. } => [[0; 2], [(1 << SAMPLE_BITS) - 1; 2]],
+        };
+        // The pixels of the tile whose sample may lie in the box around the triangle.
+        let mut first = [0usize; 2];
+        let mut count = [0usize; 2];
+        for axis in 0..2 {
+            let places = [v[0][axis], v[1][axis], v[2][axis]];
+            let [least, most] = pixels(places, [offsets[0][axis], offsets[1][axis]], bits);
+            let least = (least - area.place[axis]).max(0);
+            let most = (most - area.place[axis]).min(area.size[axis] as i64 - 1);
+            if least > most {
+                return;
+            }
+            first[axis] = least as usize;
+            count[axis] = (most - least + 1) as usize;
+        }
+        // Edge functions at the first of them.
+        let place = [0, 1].map(|axis| {
+            ((area.place[axis] + first[axis] as i64) << SAMPLE_BITS) + offsets[0][axis]
+        });
+        let extent = [0, 1].map(|axis| {
+            ((count[axis] as i64 - 1) << SAMPLE_BITS) + offsets[1][axis] - offsets[0][axis]
+        });
+        let mut edges = Edges::new(v, bits, place);
+        if edges.misses(extent) {
+            return;
+        }
+        for i in 0..3 {
+            if edges.contains(i, extent) {
+                (edges.e[i], edges.a[i], edges.b[i]) = (0, 0, 0);
+            }
+        }
+        counters.fragments_tested += (count[0] * count[1]) as u64;
+        let window = Window { first, count };
+        match samples {
+            Samples::Shared { x, y, .. } => {
+                edges.e = edges.e.map(|e| e >> SAMPLE_BITS);
+                let small = |i: usize| edges.a[i].abs() + edges.b[i].abs() < 1 << 24;
+                if (0..3).all(small) {
+                    let narrow = |values: [i64; 3]| values.map(|x| x as i32);
+                    let e = [edges.e, edges.a, edges.b].map(narrow);
+                    self.rows::<i32>(&window, e, record, x, y, counters);
+                } else {
+                    let e = [edges.e, edges.a, edges.b];
+                    self.rows::<i64>(&window, e, record, x, y, counters);
+                }
+            }
+            Samples::Each { offset, ray } => {
+                self.scattered(&window, &edges, record, offset, ray, counters);
+            }
+        }
+    }
+
+    /// The kernel for samples at one place in every pixel: `e` = values at the first, steps rightwards, steps downwards.
+    fn rows<T: Step>(
+        &mut self,
+        window: &Window,
+        [mut e, a, b]: [[T; 3]; 3],
+        record: &Record,
+        x: &[f64],
+        y: &[f64],
+        counters: &mut Counters,
+    ) {
+        let ([left, top], [width, height]) = (window.first, window.count);
+        let [k0, kx, ky] = record.key;
+        let range = record.range.map(f64::from);
+        let xs = &x[left..left + width];
+        // What each edge gains at most on the way to the end of a row.
+        let gain = a.map(|step| step.most_of(width - 1));
+        for (row, y) in y.iter().enumerate().skip(top).take(height) {
+            let start = e;
+            for i in 0..3 {
+                e[i] = e[i].plus(b[i]);
+            }
+            // Skip rows that one edge excludes altogether.
+            if (0..3).any(|i| start[i].plus(gain[i]).is_negative()) {
+                continue;
+            }
+            let place = row * TILE + left;
+            let keys = &mut self.key[place..place + width];
+            let primitives = &mut self.primitive[place..place + width];
+            let row_key = k0 + ky * y;
+            let [mut e0, mut e1, mut e2] = start;
+            let (mut covered, mut passed) = (0u32, 0u32);
+            for ((seen, primitive), x) in keys.iter_mut().zip(primitives).zip(xs) {
+                // Inside, and nearer than what is seen so far?
+                let inside = !e0.or(e1).or(e2).is_negative();
+                let key = limit(row_key + kx * x, range);
+                let passes = inside & (key > *seen);
+                *seen = if passes { key } else { *seen };
+                *primitive = if passes { record.primitive } else { *primitive };
+                covered += u32::from(inside);
+                passed += u32::from(passes);
+                // Step one pixel rightwards.
+                (e0, e1, e2) = (e0.plus(a[0]), e1.plus(a[1]), e2.plus(a[2]));
+            }
+            counters.fragments_covered += u64::from(covered);
+            counters.fragments_passed += u64::from(passed);
+        }
+    }
+
+    /// The kernel for samples at places of their own.
+    fn scattered(
+        &mut self,
+        window: &Window,
+        edges: &Edges,
+        record: &Record,
+        offset: &[[i64; 2]],
+        ray: &[[f64; 2]],
+        counters: &mut Counters,
+    ) {
+        let ([left, top], [width, height]) = (window.first, window.count);
+        let [k0, kx, ky] = record.key;
+        let range = record.range.map(f64::from);
+        for row in 0..height {
+            for column in 0..width {
+                let at = (top + row) * TILE + left + column;
+                let dx = ((column as i64) << SAMPLE_BITS) + offset[at][0];
+                let dy = ((row as i64) << SAMPLE_BITS) + offset[at][1];
+                let e = |i: usize| edges.e[i] + edges.a[i] * dx + edges.b[i] * dy;
+                if (e(0) | e(1) | e(2)) < 0 {
+                    continue;
+                }
+                counters.fragments_covered += 1;
+                let key = limit(k0 + ky * ray[at][1] + kx * ray[at][0], range);
+                if key > self.key[at] {
+                    self.key[at] = key;
+                    self.primitive[at] = record.primitive;
+                    counters.fragments_passed += 1;
+                }
+            }
+        }
+    }
+}
+
+/// The key held within the triangle's own; NaN becomes the farthest.
+#[inline(always)]
+fn limit(key: f64, [least, most]: [f64; 2]) -> f64 {
+    let key = if key >= least { key } else { least };
+    if key <= most { key } else { most }
+}
+
+/// Pixels of a tile.
+struct Window {
+    first: [usize; 2],
+    count: [usize; 2],
+}
+
+/// The integers that edge functions step in.
+trait Step: Copy {
+    fn plus(self, other: Self) -> Self;
+    fn or(self, other: Self) -> Self;
+    fn is_negative(self) -> bool;
+    /// The most that `steps` or fewer steps of this size can gain.
+    fn most_of(self, steps: usize) -> Self;
+}
+
+macro_rules! step {
+    ($t:ident) => {
+        impl Step for $t {
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                // The last step of a loop leaves the tile by one and cannot overflow; wrapping keeps the loop simple.
+                self.wrapping_add(other)
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                self | other
+            }
+            #[inline(always)]
+            fn is_negative(self) -> bool {
+                self < 0
+            }
+            #[inline(always)]
+            fn most_of(self, steps: usize) -> Self {
+                self.max(0) * steps as $t
+            }
+        }
+    };
+}
+step!(i32);
+step!(i64);

@@ -1,0 +1,27 @@
+//! What people and programs read: picture files, figures, `summary.json` and the page.
+//!
+//! In: plain data (planes of linear colours, names, numbers). Out: bytes and files. Nothing here renders, and nothing
+//! here decides what a number is: the ladder and the metrics do. Row 0 is the top row throughout.
+//!
+//! - [`files`]: which format a path asks for, atomic writes; [`formats`] and [`layered`]: PNG, PFM, HDR and EXR bytes.
+//! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
+//!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
+//! - [`folder`]: the files of a comparison, by name.
+//! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
+
+pub mod causes;
+pub mod equation;
+pub mod figures;
+pub mod files;
+pub mod folder;
+pub mod formats;
+pub mod layered;
+mod layout;
+pub mod numbers;
+pub mod page;
+pub mod picture;
+mod sections;
+pub mod summary;
+pub mod text;
+
+pub use page::{NamedPlane, Report};

@@ -1,0 +1,393 @@
+//! The page's sections that are mostly words and tables: the verdict, causes, agreement, numbers, work, origin.
+
+use maud::{Markup, html};
+use rastray_compare::Map;
+use serde_json::{Map as Object, Value};
+
+use crate::error::Error;
+
+use super::causes::{ORDER, explanation, figures, result};
+use super::equation::Term;
+use super::numbers::{count, duration, percent, value};
+use super::page::{Report, label, legend, map_picture};
+use super::summary::{Cause, Summary};
+
+/// The result in a sentence or two.
+pub(super) fn verdict(report: &Report) -> String {
+    let differ = report.difference.summary.pixels;
+    if differ == 0 {
+        return "The two pictures are identical: this scene needs nothing that local lighting lacks.".to_owned();
+    }
+    let m = &report.summary.metrics;
+    let psnr = m
+        .psnr
+        .map_or(String::new(), |p| format!(", PSNR {p:.1} dB"));
+    let largest = report
+        .summary
+        .causes
+        .iter()
+        .max_by(|a, b| a.rmse.total_cmp(&b.rmse));
+    let cause = largest.filter(|c| c.rmse > 0.0).map_or(String::new(), |c| {
+        format!(
+            " The largest cause is {}, with an rmse of {}.",
+            c.name,
+            value(c.rmse)
+        )
+    });
+    format!(
+        "{} of {} pixels ({}) differ between the rasterized and the traced picture, rmse {}{psnr}.{cause}",
+        count(differ),
+        count(report.pixels()),
+        percent(differ, report.pixels()),
+        value(m.rmse),
+    )
+}
+
+/// Every cause: a table of shares, then a map and an explanation each.
+pub(super) fn causes(report: &Report) -> Result<Markup, Error> {
+    let causes = &report.summary.causes;
+    let articles = causes
+        .iter()
+        .zip(&report.cause_maps)
+        .enumerate()
+        .map(|(i, (cause, map))| article(i, cause, map, report.pixels()))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(html! {
+        section {
+            h2 { "Why they differ" }
+            p { (ORDER) " " (residual(&report.summary)) }
+            (shares(causes, report.pixels()))
+            div.grid.three { @for article in &articles { (article) } }
+        }
+    })
+}
+
+/// That the causes add up, or by how much they do not.
+fn residual(summary: &Summary) -> String {
+    let mut text = match summary.residual_max {
+        0.0 => "They add up to the whole difference exactly: the residual is 0.".to_owned(),
+        r => format!("They miss the whole difference by at most {}.", value(r)),
+    };
+    if summary.limited_pixels > 0 {
+        let n = count(summary.limited_pixels);
+        text += &format!(" {n} pixels hold values beyond 2²⁰ and were limited to that.");
+    }
+    text
+}
+
+/// The table of causes, with bars for rmse.
+fn shares(causes: &[Cause], pixels: usize) -> Markup {
+    let largest = causes.iter().map(|c| c.rmse).fold(0.0, f64::max);
+    let bar = |c: &Cause| {
+        if largest > 0.0 {
+            100.0 * c.rmse / largest
+        } else {
+            0.0
+        }
+    };
+    html! {
+        div.scroll {
+            table {
+                thead {
+                    tr {
+                        th scope="col" { "cause" }
+                        th scope="col" colspan="2" { "rmse" }
+                        th.number scope="col" { "max" }
+                        th.number scope="col" { "pixels" }
+                        th.number scope="col" { "share of pixels" }
+                    }
+                }
+                tbody {
+                    @for c in causes {
+                        tr {
+                            th scope="row" { (c.name) }
+                            td.bar aria-hidden="true" {
+                                @if c.rmse > 0.0 { i style={ "width:" (format!("{:.2}", bar(c))) "%" } {} }
+                            }
+                            td.number { (value(c.rmse)) }
+                            td.number { (value(c.max)) }
+                            td.number { (count(c.pixels)) }
+                            td.number { (percent(c.pixels, pixels)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One cause: its map, its numbers, what it means.
+fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Markup, Error> {
+    let sentence = result(cause, pixels);
+    let known = explanation(&cause.name);
+    let image = match cause.pixels {
+        0 => html! { div.nothing { "no difference" } },
+        _ => html! {
+            (map_picture(map, &format!("Map of the step {sentence}"))?)
+            (legend(&map.scale))
+        },
+    };
+    Ok(html! {
+        article {
+            h3 {
+                span { (index + 1) }
+                (cause.name)
+                @if let Some(term) = Term::of_name(&cause.name) { span.symbol { (label(term)) } }
+            }
+            (image)
+            @if cause.pixels > 0 { p.result { (figures(cause, pixels)) } }
+            @if let Some(known) = known { p.why { (capital(known.step)) ". " (known.text) } }
+        }
+    })
+}
+
+/// The sentence with a capital.
+pub(super) fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars
+        .next()
+        .map_or(String::new(), |c| c.to_uppercase().chain(chars).collect())
+}
+
+/// Rungs 3 and 4 in words.
+pub(super) fn agreement(summary: &Summary) -> Markup {
+    let a = &summary.agreement;
+    let c = &a.coverage;
+    let coverage = match c.raster_only + c.trace_only {
+        0 => "Neither sees a surface where the other does not.".to_owned(),
+        _ => format!(
+            "{} pixels show a surface only in the rasterizer, {} only in the tracer.",
+            count(c.raster_only),
+            count(c.trace_only)
+        ),
+    };
+    html! {
+        section {
+            h2 { "Where they must agree" }
+            p {
+                "Lit at every fragment and without shadows or secondary rays, both renderers evaluate one equation on the "
+                "same triangles. Away from edges and from jumps of the model they differ by at most "
+                strong { (value(a.interior_max)) } ", on average by " (value(a.interior_mean))
+                ", relative to the larger of 1 and the value. "
+                (count(a.edge_pixels)) " pixels lie at an edge or a jump and are left out."
+            }
+            p { "Both see a surface in " (count(c.both)) " pixels. " (coverage) }
+        }
+    }
+}
+
+/// Metrics with what they mean, then how every number was obtained.
+pub(super) fn numbers(report: &Report) -> Markup {
+    let m = &report.summary.metrics;
+    let psnr = m.psnr.map_or("none".to_owned(), |p| format!("{p:.2} dB"));
+    let rows = [
+        (
+            "rmse",
+            value(m.rmse),
+            "root of the mean squared difference; one bright pixel outweighs many faint ones",
+        ),
+        ("mse", value(m.mse), "its square"),
+        (
+            "mae",
+            value(m.mae),
+            "mean of the absolute differences; hides what is small in area",
+        ),
+        (
+            "max",
+            value(m.max),
+            "largest absolute difference; decided by a single value",
+        ),
+        (
+            "p50",
+            value(m.p50),
+            "half of the values differ by no more than this",
+        ),
+        (
+            "p95",
+            value(m.p95),
+            "95 % of the values differ by no more than this",
+        ),
+        (
+            "p99",
+            value(m.p99),
+            "99 % of the values differ by no more than this",
+        ),
+        (
+            "psnr",
+            psnr,
+            "10 log₁₀(1 / mse); none where the pictures are identical",
+        ),
+    ];
+    html! {
+        section {
+            h2 { "The difference in numbers" }
+            p {
+                "Trace against raster, over all pixels and channels, on the stored 8-bit values as fractions of 255. "
+                "None of these numbers is a model of what people see."
+            }
+            div.scroll {
+                table {
+                    thead { tr {
+                        th scope="col" { "metric" } th.number scope="col" { "value" }
+                        th scope="col" { "what it means, and hides" }
+                    } }
+                    tbody {
+                        @for (name, number, meaning) in rows {
+                            tr { th scope="row" { (name) } td.number { (number) } td.text { (meaning) } }
+                        }
+                    }
+                }
+            }
+            (methods())
+        }
+    }
+}
+
+/// How each number was obtained.
+fn methods() -> Markup {
+    html! {
+            h2 { "How each number was obtained" }
+            dl {
+                dt { "causes" }
+                dd { "The scene is rendered along a ladder of ten rungs, from OpenGL's picture to the traced one. Each rung changes one thing, and the cause is the difference between neighbouring rungs." }
+                dt { "sums" }
+                dd { "Rung values are rounded to multiples of 2⁻³² and limited to 2²⁰, so that every difference and every sum in double precision is exact." }
+                dt { "pixels" }
+                dd { "A pixel counts as different if any of its channels differs at all." }
+                dt { "percentiles" }
+                dd { "Nearest rank over the absolute differences of single values, three a pixel." }
+                dt { "maps" }
+                dd { "Each pixel shows its channel of largest difference, on a linear scale that ends at the next 1, 2 or 5 times a power of ten. Exactly the pixels without difference are white." }
+                dt { "agreement" }
+                dd { "Rungs 3 and 4: more than 1/256 pixel away from triangle edges and from jumps of the model (spot cones, the specular gate, texel borders, coinciding surfaces)." }
+            }
+    }
+}
+
+/// Counters and times.
+pub(super) fn work(summary: &Summary) -> Markup {
+    html! {
+        @if !summary.counters.is_empty() || !summary.seconds.is_empty() {
+            section {
+                h2 { "Work and time" }
+                div.columns {
+                    (object_table("Work counts", &summary.counters, |n| n.as_u64().map(|n| count(n as usize))))
+                    (object_table("Wall-clock time", &summary.seconds, |n| n.as_f64().map(duration)))
+                }
+            }
+        }
+    }
+}
+
+/// A table of an object's numbers; nested names are joined by dots.
+fn object_table(
+    title: &str,
+    object: &Object<String, Value>,
+    show: impl Fn(&Value) -> Option<String>,
+) -> Markup {
+    let mut rows = Vec::new();
+    flatten("", object, &mut rows);
+    html! {
+        @if !rows.is_empty() {
+            div.scroll {
+                table {
+                    caption { (title) }
+                    tbody {
+                        @for (name, value) in &rows {
+                            tr { th scope="row" { (name) } td.number { (show(value).unwrap_or_else(|| plain(value))) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A JSON value as text.
+fn plain(json: &Value) -> String {
+    match json {
+        Value::String(text) => text.clone(),
+        Value::Number(n) => n.as_f64().map_or_else(|| n.to_string(), value),
+        other => other.to_string(),
+    }
+}
+
+/// Adds the leaves of an object in order.
+fn flatten<'a>(
+    prefix: &str,
+    object: &'a Object<String, Value>,
+    rows: &mut Vec<(String, &'a Value)>,
+) {
+    for (key, value) in object {
+        let name = format!("{prefix}{key}");
+        match value {
+            Value::Object(inner) => flatten(&format!("{name}."), inner, rows),
+            leaf => rows.push((name, leaf)),
+        }
+    }
+}
+
+/// Command, settings, notes of the import.
+pub(super) fn origin(report: &Report) -> Markup {
+    html! {
+        section {
+            h2 { "How this was made" }
+            pre { code { (report.command) } }
+            @if !report.settings.is_empty() {
+                dl { @for (name, setting) in &report.settings { dt { (name) } dd { (setting) } } }
+            }
+            h2 { "Notes on the scene" }
+            @if report.notes.is_empty() {
+                p { "The importer dropped nothing and invented nothing." }
+            } @else {
+                ul { @for note in &report.notes { li { (note.to_string()) } } }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::page::tests::example;
+
+    #[test]
+    fn the_verdict_names_the_largest_cause() {
+        let report = example();
+        let text = verdict(&report);
+        assert!(
+            text.contains("The largest cause is quantization, with an rmse of 0.1."),
+            "{text}"
+        );
+        assert!(text.contains("PSNR 20.0 dB"), "{text}");
+    }
+
+    #[test]
+    fn nested_counters_keep_their_order_and_get_dotted_names() {
+        let report = example();
+        let mut rows = Vec::new();
+        flatten("", &report.summary.counters, &mut rows);
+        let names: Vec<&str> = rows.iter().map(|(n, _)| n.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "raster.triangles",
+                "raster.fragments",
+                "rays.primary",
+                "rays.shadow"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_residual_is_told() {
+        let mut summary = example().summary;
+        assert!(residual(&summary).contains("exactly"));
+        (summary.residual_max, summary.limited_pixels) = (0.5, 1234);
+        let text = residual(&summary);
+        assert!(
+            text.contains("at most 0.5") && text.contains("1,234 pixels"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! Secondary rays of a hit: which ones, where to, with which weight (whitted.md 2 and 4; DESIGN 1 "Tracing").
+//!
+//! Reflection comes before refraction. Mirror weight is the material's; `fresnel` moves K_T F to it, and total internal
+//! reflection all of K_T with `tir = "reflect"` or a Fresnel model (where F = 1), else nothing (I_T = 0). `thin` surfaces
+//! pass straight on, enter no medium and have no index, hence no Fresnel share. Weights multiply once per interface. A branch
+//! of weight 0, or below `weight_cutoff` in every channel, is dropped.
+//!
+//! Directions follow the shading normal. Where it would send a mirrored ray into the surface, or a transmitted one back
+//! out of it (smooth meshes seen at grazing angles), the geometric normal takes its place.
+
+use super::exact::unit;
+use super::media::{Media, MediaId};
+use super::optics::{Transmission, fresnel, reflect, refract};
+use super::ray::{Foot, Ray};
+use crate::math::DVec3;
+use crate::math::color::Rgb;
+use crate::scene::{Fresnel, Optics, Tir, TraceSettings};
+
+/// How a path left the eye: local light, or the layer of its first bounce.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Branch {
+    /// A primary ray.
+    Primary,
+    /// First bounce was a mirror.
+    Reflection,
+    /// First bounce was a transmission.
+    Refraction,
+}
+
+/// A ray on its way, with everything that its hit will need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    pub(super) ray: Ray,
+    /// Product of the weights so far.
+    pub(super) weight: Rgb,
+    /// Pixel of the tile.
+    pub(super) pixel: u32,
+    /// Layer that it adds to.
+    pub(super) branch: Branch,
+    /// What it is inside of.
+    pub(super) media: MediaId,
+}
+
+/// A hit that secondary rays start from.
+pub(super) struct Fork<'s> {
+    /// The ray that arrived.
+    pub(super) path: &'s Path,
+    /// Where.
+    pub(super) foot: &'s Foot,
+    /// Items that rays leaving outwards, and inwards, cannot meet.
+    pub(super) skip: [u32; 2],
+    /// Shading normal, world space, on either side; zero = use the geometric one.
+    pub(super) normal_world: DVec3,
+    /// The object hit: a medium of its own.
+    pub(super) object: u32,
+    pub(super) optics: &'s Optics,
+    pub(super) settings: &'s TraceSettings,
+    /// Whether reflected, and refracted rays are asked for.
+    pub(super) wanted: [bool; 2],
+}
+
+/// What becomes of K_T at a surface.
+struct Passage {
+    /// The part of K_T that the mirror ray takes.
+    reflected: f64,
+    /// Where the rest goes, its part of K_T, and the media behind; `None` at total internal reflection.
+    beyond: Option<(DVec3, f64, MediaId)>,
+}
+
+impl Fork<'_> {
+    /// The reflected and the refracted ray, where they exist and weigh something.
+    pub(super) fn branches(&self, media: &mut Media) -> [Option<Path>; 2] {
+        let mut mirror = self.optics.reflection;
+        let mut refraction = None;
+        if self.optics.is_transmissive() {
+            let passage = self.transmit(media);
+            let k_t = self.optics.transmission;
+            for (m, k) in mirror.iter_mut().zip(k_t) {
+                *m += k * passage.reflected;
+            }
+            let beyond = passage.beyond.filter(|_| self.wanted[1]);
+            refraction = beyond.and_then(|(direction, part, media)| {
+                self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
+            });
+        }
+        let reflection = (self.wanted[0] && mirror != [0.0; 3])
+            .then(|| self.mirror_direction())
+            .and_then(|d| self.child(d, mirror, Branch::Reflection, self.path.media));
+        [reflection, refraction]
+    }
+
+    fn child(&self, direction: DVec3, k: Rgb, branch: Branch, media: MediaId) -> Option<Path> {
+        let weight = [0, 1, 2].map(|c| self.path.weight[c] * k[c]);
+        let cutoff = self.settings.weight_cutoff;
+        if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
+            return None;
+        }
+        let inwards = usize::from(self.foot.normal.dot(direction) < 0.0);
+        let ray = Ray {
+            skip: self.skip[inwards],
+            ..Ray::new(self.foot.spawn(direction), direction)
+        };
+        let first = self.path.branch == Branch::Primary;
+        Some(Path {
+            ray,
+            weight,
+            pixel: self.path.pixel,
+            branch: if first { branch } else { self.path.branch },
+            media,
+        })
+    }
+
+    /// The shading normal, or the geometric one where there is none.
+    fn normal(&self) -> DVec3 {
+        if self.normal_world == DVec3::ZERO {
+            self.foot.normal
+        } else {
+            self.normal_world
+        }
+    }
+
+    /// Whether `direction` leaves to the side that the arriving ray came from.
+    fn returns(&self, direction: DVec3) -> bool {
+        let arriving = self.path.ray.direction.dot(self.foot.normal);
+        direction.dot(self.foot.normal) * arriving < 0.0
+    }
+
+    fn mirror_direction(&self) -> DVec3 {
+        let d = self.path.ray.direction;
+        let mirrored = reflect(d, self.normal());
+        if self.returns(mirrored) {
+            mirrored
+        } else {
+            reflect(d, self.foot.normal)
+        }
+    }
+
+    fn transmit(&self, media: &mut Media) -> Passage {
+        let d = self.path.ray.direction;
+        let straight = |media| Passage {
+            reflected: 0.0,
+            beyond: Some((unit(d), 1.0, media)),
+        };
+        if self.optics.thin {
+            return straight(self.path.media);
+        }
+        let crossing = media.cross(self.path.media, self.object, self.optics.ior);
+        let (eta_i, eta_t) = (crossing.eta_i, crossing.eta_t);
+        if eta_i == eta_t {
+            return straight(crossing.media);
+        }
+        let model = self.optics.fresnel;
+        let mut normal = self.normal();
+        let mut passed = refract(d, normal, eta_i, eta_t);
+        if let Transmission::Through { direction, .. } = passed
+            && self.returns(direction)
+        {
+            normal = self.foot.normal;
+            passed = refract(d, normal, eta_i, eta_t);
+        }
+        match passed {
+            Transmission::Through { direction, cosine } => {
+                let cos_i = unit(d).dot(normal).abs().min(1.0);
+                let f = fresnel(model, cos_i, cosine, eta_i, eta_t);
+                Passage {
+                    reflected: f,
+                    beyond: Some((direction, 1.0 - f, crossing.media)),
+                }
+            }
+            Transmission::Total => {
+                let all = self.settings.tir == Tir::Reflect || model != Fresnel::Off;
+                Passage {
+                    reflected: if all { 1.0 } else { 0.0 },
+                    beyond: None,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! The tracer: Whitted's light transport over the one lighting equation.
+//!
+//! In: a scene, its assembly (the rasterizer's triangles), options. Out: a [`Frame`] of unclamped linear colours, with
+//! layers if asked for, and [`Counters`]. Rays and hierarchy live in world space and f64; hits come out in eye space, where
+//! `lighting` works. Sheet: `whitted.md`; decisions: DESIGN section 1, "Tracing".
+//!
+//! | module | does |
+//! | - | - |
+//! | `exact` | products and sums with known error |
+//! | `ray` | rays, hits, the spawn offset |
+//! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
+//! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
+//! | `build` `split` `bvh` | the hierarchy |
+//! | `optics` `media` `branch` | directions, media, secondary rays |
+//! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
+//!
+//! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
+//! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
+//! viewer is the picture's alone.
+//!
+//! Left out: instances, textures, packets; a camera inside a medium starts in air all the same.
+
+mod branch;
+pub mod build;
+pub mod bvh;
+pub mod cuboid;
+pub mod exact;
+mod media;
+pub mod optics;
+pub mod planar;
+pub mod ray;
+mod shadow;
+mod solid;
+pub mod sphere;
+mod split;
+mod sums;
+pub mod surface;
+mod tile;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use surface::Surfaces;
+
+use crate::error::Error;
+use crate::frame::{Frame, Layers};
+use crate::gl;
+use crate::lanes::{Isa, Real};
+use crate::lighting::Rig;
+use crate::scene::Scene;
+use crate::scene::assembly::Assembly;
+use crate::scene::requirements::{Mode, Model, Requirements};
+use bvh::Work;
+use shadow::{Lamp, lamps};
+use tile::{Area, TileFrame};
+
+/// The most secondary rays that one sample of a pixel may cast.
+pub const MAX_RAYS: u32 = 1 << 18;
+
+/// Pixels a side of a tile.
+const TILE: u32 = 16;
+
+/// What rays meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Geometry {
+    /// The true shapes; meshes keep their triangles (the default).
+    #[default]
+    Exact,
+    /// The rasterizer's own triangles.
+    Mesh,
+}
+
+impl Geometry {
+    /// The one table of names: command line, scene file and reports.
+    pub const NAMES: &[(&'static str, Self)] = &[("exact", Self::Exact), ("mesh", Self::Mesh)];
+}
+
+/// What is traced beyond the primary rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Generations of secondary rays.
+    pub depth: u32,
+    /// Shadow rays are cast; else every light counts as lit.
+    pub shadows: bool,
+    /// Mirror rays are cast.
+    pub reflection: bool,
+    /// Transmitted rays are cast.
+    pub refraction: bool,
+    /// The frame carries its layers.
+    pub layers: bool,
+    /// Instruction set of the lighting equation. Changes no byte.
+    pub isa: Isa,
+}
+
+impl Options {
+    /// Primary rays only, S_L left out: the picture that equals the rasterizer's.
+    pub fn cast(isa: Isa) -> Self {
+        Self {
+            depth: 0,
+            shadows: false,
+            reflection: false,
+            refraction: false,
+            layers: false,
+            isa,
+        }
+    }
+
+    /// What the scene asks for.
+    pub fn of(scene: &Scene, isa: Isa) -> Self {
+        Self {
+            depth: scene.trace.depth,
+            shadows: true,
+            reflection: true,
+            refraction: true,
+            layers: false,
+            isa,
+        }
+    }
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Rays {
+    /// From the eye.
+    pub primary: u64,
+    /// Towards lights.
+    pub shadow: u64,
+    /// Mirrored.
+    pub reflection: u64,
+    /// Transmitted.
+    pub refraction: u64,
+}
+
+/// The work of a render. Equal for every thread count and tile order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Counters {
+    /// Rays by kind.
+    pub rays: Rays,
+    /// Inner nodes entered.
+    pub node_visits: u64,
+    /// Child boxes tested.
+    pub box_tests: u64,
+    /// Primitives tested.
+    pub primitive_tests: u64,
+    /// Points that the lighting equation was asked for.
+    pub shaded_points: u64,
+    /// Inner nodes of the hierarchy.
+    pub bvh_nodes: u64,
+    /// Leaves of the hierarchy.
+    pub bvh_leaves: u64,
+}
+
+impl Counters {
+    fn add(&mut self, other: &Self) {
+        self.rays.primary += other.rays.primary;
+        self.rays.shadow += other.rays.shadow;
+        self.rays.reflection += other.rays.reflection;
+        self.rays.refraction += other.rays.refraction;
+        self.node_visits += other.node_visits;
+        self.box_tests += other.box_tests;
+        self.primitive_tests += other.primitive_tests;
+        self.shaded_points += other.shaded_points;
+    }
+
+    fn add_work(&mut self, work: &Work) {
+        self.node_visits += work.node_visits;
+        self.box_tests += work.box_tests;
+        self.primitive_tests += work.primitive_tests;
+    }
+}
+
+/// Everything about a scene that does not depend on options: made once, drawn with several.
+#[derive(Clone, Debug)]
+pub struct Plan<'a, R> {
+    scene: &'a Scene,
+    surfaces: Surfaces<'a, R>,
+    rig: Rig<R>,
+    /// The enabled lights: places in the world, and GL parameters in eye space.
+    lamps: Vec<Lamp>,
+    sources: Vec<gl::LightSource>,
+    needs: Requirements,
+    model: Model,
+    build_seconds: f64,
+}
+
+impl<'a, R: Real> Plan<'a, R> {
+    /// Prepares a scene: resolves its lights and builds the hierarchy.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where the picture has no pixels.
+    pub fn new(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        geometry: Geometry,
+        model: Model,
+    ) -> Result<Self, Error> {
+        let image = &scene.image;
+        if image.width == 0 || image.height == 0 {
+            let size = format!("{}x{} has no pixels", image.width, image.height);
+            return Err(Error::parameter("image", size));
+        }
+        let start = Instant::now();
+        let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
+        let build_seconds = start.elapsed().as_secs_f64();
+        let sources = scene.lights_eye();
+        let needs = Requirements::plan(scene, Mode::Trace, model);
+        Ok(Self {
+            scene,
+            surfaces,
+            rig: Rig::new(&sources, &scene.light_model),
+            lamps: lamps(scene),
+            sources,
+            needs,
+            model,
+            build_seconds,
+        })
+    }
+
+    /// How long the hierarchy took to build, in seconds. Kept apart from [`Counters`], which repeat.
+    pub fn build_seconds(&self) -> f64 {
+        self.build_seconds
+    }
+
+    /// What rays meet.
+    pub fn surfaces(&self) -> &Surfaces<'a, R> {
+        &self.surfaces
+    }
+
+    /// Traces the picture.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where a pixel would cast more than [`MAX_RAYS`] secondary rays.
+    pub fn draw(&self, options: &Options) -> Result<(Frame<R>, Counters), Error> {
+        self.draw_tiles(options, TILE)
+    }
+
+    /// [`Self::draw`] with another tile size; the bytes are the same.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_tiles(&self, options: &Options, side: u32) -> Result<(Frame<R>, Counters), Error> {
+        let areas = areas(self.scene.image.width, self.scene.image.height, side.max(1));
+        let tiles: Vec<_> = areas
+            .into_par_iter()
+            .map(|area| tile::draw(self, options, area))
+            .collect();
+        let (width, height) = (
+            self.scene.image.width as usize,
+            self.scene.image.height as usize,
+        );
+        let mut frame = Frame::empty(width, height);
+        if options.layers {
+            let names = self.scene.light_names();
+            let signed = self.scene.has_negative_colors();
+            frame.layers = Some(Layers::zero(&names, width, height, signed));
+        }
+        let mut counters = Counters {
+            bvh_nodes: self.surfaces.bvh().node_count() as u64,
+            bvh_leaves: self.surfaces.bvh().leaf_count() as u64,
+            ..Counters::default()
+        };
+        for tile in tiles {
+            let tile = tile?;
+            counters.add(&tile.counters);
+            place(&mut frame, &tile);
+        }
+        Ok((frame, counters))
+    }
+
+    /// GL material of a surface number (`lighting::surface`).
+    fn material(&self, surface: usize) -> &gl::Material {
+        let material = &self.scene.materials[surface / 2];
+        match &material.back {
+            Some(back) if surface % 2 == 1 => back,
+            _ => &material.front,
+        }
+    }
+}
+
+fn areas(width: u32, height: u32, side: u32) -> Vec<Area> {
+    let starts = |length: u32| (0..length).step_by(side as usize);
+    starts(height)
+        .flat_map(|y| {
+            starts(width).map(move |x| Area {
+                x,
+                y,
+                width: side.min(width - x),
+                height: side.min(height - y),
+            })
+        })
+        .collect()
+}
+
+/// Copies a tile into the picture.
+fn place<R: Real>(frame: &mut Frame<R>, tile: &TileFrame<R>) {
+    let area = tile.area;
+    let (tile_width, width) = (area.width as usize, frame.color.width);
+    for row in 0..area.height as usize {
+        let from = row * tile_width..(row + 1) * tile_width;
+        let start = (area.y as usize + row) * width + area.x as usize;
+        let to = start..start + tile_width;
+        frame.color.data[to.clone()].copy_from_slice(&tile.color[from.clone()]);
+        frame.depth.data[to.clone()].copy_from_slice(&tile.depth[from.clone()]);
+        frame.primitive.data[to.clone()].copy_from_slice(&tile.primitive[from.clone()]);
+        frame.object.data[to.clone()].copy_from_slice(&tile.object[from.clone()]);
+        if let Some(layers) = &mut frame.layers {
+            for (plane, layer) in layers.planes.iter_mut().zip(&tile.layers) {
+                plane.data[to.clone()].copy_from_slice(&layer[from.clone()]);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Exact shapes placed in the world: what a ray meets of them, in f64.
+//!
+//! Spheres and boxes take the ray to object space without renormalising, so that t is common to all primitives; the
+//! difference to the shape's own place is taken in world space first. Patches become parallelograms in the world.
+//! A shape that its transform flattens (singular matrix) encloses nothing and is no hit; a patch without area likewise.
+
+use super::build::Bounds;
+use super::cuboid::{face_normal, slabs};
+use super::exact::{Twofold, unit};
+use super::planar::Shear;
+use super::ray::{Foot, Hit, Ray};
+use super::sphere::{Roots, roots};
+use crate::math::transform::{mirrors, normal_matrix};
+use crate::math::{DAffine3, DMat3, DVec3};
+use crate::scene::Shape;
+
+/// An exact shape in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    /// Primitive number: that of the shape's first triangle.
+    pub(super) primitive: u32,
+    /// Index into the scene's objects.
+    pub(super) object: u32,
+    form: Form,
+    /// Linear part of world from object, and its inverse; `None` where it is the identity.
+    linear: Option<(DMat3, DMat3)>,
+    normal_world: DMat3,
+    place: DAffine3,
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    Sphere {
+        center_world: DVec3,
+        radius: f64,
+        radius_world: f64,
+    },
+    Cuboid {
+        min: DVec3,
+        max: DVec3,
+        size_world: f64,
+    },
+    Patch {
+        corners_world: [[f64; 3]; 4],
+        edges_world: [DVec3; 2],
+        normal_world: DVec3,
+        mirrored: bool,
+        tiles: [u32; 2],
+    },
+}
+
+impl Solid {
+    /// Places a shape; `None` where it encloses nothing.
+    pub(super) fn new(
+        shape: &Shape,
+        place: &DAffine3,
+        primitive: u32,
+        object: u32,
+    ) -> Option<Self> {
+        let linear = place.matrix3;
+        let inverse = linear.inverse();
+        let identity = linear == DMat3::IDENTITY;
+        let form = match *shape {
+            Shape::Sphere { center, radius } => Form::Sphere {
+                center_world: place.transform_point3(center),
+                radius,
+                radius_world: radius * spread(&linear).max_element(),
+            },
+            Shape::Box { min, max } => Form::Cuboid {
+                min,
+                max,
+                size_world: (linear * (max - min)).abs().max_element(),
+            },
+            Shape::Patch {
+                corner,
+                edge_u,
+                edge_v,
+                tiles,
+            } => patch(place, corner, edge_u, edge_v, tiles)?,
+        };
+        let flat = matches!(form, Form::Patch { .. });
+        if !flat && !inverse.is_finite() {
+            return None;
+        }
+        Some(Self {
+            primitive,
+            object,
+            form,
+            linear: (!identity).then_some((linear, inverse)),
+            normal_world: normal_matrix(place),
+            place: *place,
+        })
+    }
+
+    /// World bounds.
+    pub(super) fn bounds(&self) -> Bounds {
+        match &self.form {
+            Form::Sphere {
+                center_world,
+                radius,
+                ..
+            } => {
+                let reach = *radius * spread(&self.place.matrix3);
+                Bounds::of([*center_world - reach, *center_world + reach])
+            }
+            Form::Cuboid { min, max, .. } => Bounds::of((0..8).map(|i| {
+                let pick =
+                    |bit: u32, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
+                let p = [
+                    pick(0, min.x, max.x),
+                    pick(1, min.y, max.y),
+                    pick(2, min.z, max.z),
+                ];
+                self.place.transform_point3(DVec3::from_array(p))
+            })),
+            Form::Patch { corners_world, .. } => {
+                Bounds::of(corners_world.iter().map(|p| DVec3::from_array(*p)))
+            }
+        }
+    }
+
+    /// A planar shape: a ray that leaves it never meets it again.
+    pub(super) fn is_planar(&self) -> bool {
+        matches!(self.form, Form::Patch { .. })
+    }
+
+    /// Every place where the ray meets the shape, at any t, near first; `item` is passed on.
+    #[inline]
+    pub(super) fn hits(&self, item: u32, ray: &Ray, shear: &Shear) -> [Option<Hit>; 2] {
+        let hit = |t: f64, feature: u32, back: bool| {
+            let (primitive, uv) = (self.primitive, [0.0; 2]);
+            Some(Hit {
+                t,
+                primitive,
+                item,
+                uv,
+                feature,
+                back,
+            })
+        };
+        match &self.form {
+            Form::Sphere { .. } => self
+                .sphere_roots(ray)
+                .map_or([None; 2], |r| [hit(r.t[0], 0, false), hit(r.t[1], 1, true)]),
+            Form::Cuboid { min, max, .. } => {
+                let (o, d) = self.ray_object(ray);
+                slabs(o, d, *min, *max).map_or([None; 2], |s| {
+                    [hit(s.t[0], s.face[0], false), hit(s.t[1], s.face[1], true)]
+                })
+            }
+            Form::Patch {
+                corners_world,
+                mirrored,
+                ..
+            } => {
+                let found = shear.parallelogram(*corners_world).map(|p| Hit {
+                    t: p.t,
+                    primitive: self.primitive,
+                    item,
+                    uv: p.uv,
+                    feature: 0,
+                    back: p.back != *mirrored,
+                });
+                [found, None]
+            }
+        }
+    }
+
+    /// The hit point, its outward normal and error scale, and the number of the tile (0 but for patches).
+    pub(super) fn foot(&self, ray: &Ray, hit: &Hit) -> (Foot, u32) {
+        match &self.form {
+            Form::Sphere {
+                center_world,
+                radius,
+                radius_world,
+            } => {
+                let n = self
+                    .sphere_roots(ray)
+                    .map_or(DVec3::ZERO, |r| r.normal(hit.feature as usize));
+                let reach = *radius * n;
+                let reach = self.linear.map_or(reach, |(linear, _)| linear * reach);
+                let foot = Foot {
+                    point: *center_world + reach,
+                    normal: self.normal(n),
+                    scale: *radius_world,
+                };
+                (foot, 0)
+            }
+            Form::Cuboid {
+                min,
+                max,
+                size_world,
+            } => (self.cuboid_foot(ray, hit, [*min, *max], *size_world), 0),
+            Form::Patch {
+                corners_world,
+                edges_world: [edge_u, edge_v],
+                normal_world,
+                tiles,
+                ..
+            } => {
+                let [u, v] = hit.uv;
+                let foot = Foot {
+                    point: DVec3::from_array(corners_world[0]) + u * *edge_u + v * *edge_v,
+                    normal: *normal_world,
+                    scale: edge_u.abs().max_element() + edge_v.abs().max_element(),
+                };
+                (foot, tile(u, tiles[0]) + tile(v, tiles[1]))
+            }
+        }
+    }
+
+    fn cuboid_foot(&self, ray: &Ray, hit: &Hit, [min, max]: [DVec3; 2], scale: f64) -> Foot {
+        let (o, d) = self.ray_object(ray);
+        let mut p = (o + hit.t * d).clamp(min, max).to_array();
+        // Exactly on its face, whatever t lost.
+        let axis = (hit.feature / 2) as usize % 3;
+        let face = if hit.feature.is_multiple_of(2) {
+            min
+        } else {
+            max
+        };
+        p[axis] = face.to_array()[axis];
+        Foot {
+            point: self.place.transform_point3(DVec3::from_array(p)),
+            normal: self.normal(face_normal(hit.feature)),
+            scale,
+        }
+    }
+
+    fn sphere_roots(&self, ray: &Ray) -> Option<Roots> {
+        let Form::Sphere {
+            center_world,
+            radius,
+            ..
+        } = &self.form
+        else {
+            return None;
+        };
+        let (c, o) = (center_world.to_array(), ray.origin.to_array());
+        let q = [0, 1, 2].map(|k| Twofold::difference(c[k], o[k]));
+        match &self.linear {
+            None => roots(q, ray.direction, *radius),
+            Some((_, inverse)) => {
+                let q = *inverse * DVec3::from_array(q.map(Twofold::value));
+                roots(
+                    q.to_array().map(Twofold::from),
+                    *inverse * ray.direction,
+                    *radius,
+                )
+            }
+        }
+    }
+
+    fn ray_object(&self, ray: &Ray) -> (DVec3, DVec3) {
+        let o = ray.origin - self.place.translation;
+        match &self.linear {
+            None => (o, ray.direction),
+            Some((_, inverse)) => (*inverse * o, *inverse * ray.direction),
+        }
+    }
+
+    fn normal(&self, object: DVec3) -> DVec3 {
+        match self.linear {
+            None => object,
+            Some(_) => unit(self.normal_world * object),
+        }
+    }
+}
+
+fn patch(place: &DAffine3, corner: DVec3, u: DVec3, v: DVec3, tiles: [u32; 2]) -> Option<Form> {
+    let corners = [corner, corner + u, corner + u + v, corner + v];
+    let normal_world = unit(normal_matrix(place) * u.cross(v));
+    (normal_world != DVec3::ZERO).then(|| Form::Patch {
+        corners_world: corners.map(|p| place.transform_point3(p).to_array()),
+        edges_world: [place.transform_vector3(u), place.transform_vector3(v)],
+        normal_world,
+        mirrored: mirrors(place),
+        tiles,
+    })
+}
+
+/// Tile that a coordinate in 0..=1 falls into.
+fn tile(x: f64, tiles: u32) -> u32 {
+    ((x * f64::from(tiles)).max(0.0) as u32).min(tiles.max(1) - 1)
+}
+
+/// Half extents of the image of the unit ball: lengths of the rows.
+fn spread(m: &DMat3) -> DVec3 {
+    let t = m.transpose();
+    DVec3::new(t.x_axis.length(), t.y_axis.length(), t.z_axis.length())
+}

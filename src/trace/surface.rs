@@ -1,0 +1,336 @@
+//! The traced scene: triangles and exact shapes under one hierarchy, and what a hit looks like to the equation.
+//!
+//! World space and f64 inside; `R` is the precision that triangle vertices are stored in. Primitive numbers are those of the
+//! assembly in both geometries (an exact shape takes the number of its first triangle), so ties go the same way.
+//! Hits come out in eye space: a triangle interpolates the assembly's eye-space positions and normals, the same numbers that
+//! the rasterizer interpolates; an exact shape's point has the eye subtracted before it is rotated.
+
+use super::build::Bounds;
+use super::bvh::{Bvh, Walker};
+use super::exact::unit;
+use super::planar::{Shear, normal, precise_weights};
+use super::ray::{Foot, Hit, Ray};
+use super::solid::Solid;
+use crate::lanes::Real;
+use crate::math::{DMat3, DVec3};
+use crate::scene::assembly::Assembly;
+use crate::scene::{self, Scene};
+
+/// Marks the item number of an exact shape.
+const SOLID: u32 = 1 << 31;
+
+/// Everything that rays can meet.
+#[derive(Clone, Debug)]
+pub struct Surfaces<'a, R> {
+    scene: &'a Scene,
+    assembly: &'a Assembly<R>,
+    solids: Vec<Solid>,
+    bvh: Bvh,
+    /// Item in each slot: a triangle's number, or [`SOLID`] + index.
+    items: Vec<u32>,
+    /// World corners of the triangle in each slot (zeros for a solid), so that leaves read memory in order.
+    corners: Vec<[[R; 3]; 3]>,
+    rotation: DMat3,
+    eye: DVec3,
+}
+
+/// What the tracer knows of a hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<R> {
+    /// The point, its geometric normal, and the bound of its error; world space.
+    pub foot: Foot,
+    /// The point in eye space.
+    pub position_eye: [R; 3],
+    /// Shading normal of the front side, eye space, unit (or zero).
+    pub normal_eye: [f64; 3],
+    /// Index into the scene's objects.
+    pub object: u32,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// Seen from the back.
+    pub back: bool,
+    /// What a ray that leaves the surface on the outside, and on the inside, need not be tested against.
+    pub skip: [u32; 2],
+}
+
+impl<'a, R: Real> Surfaces<'a, R> {
+    /// Prepares a scene: true shapes where `exact`, else the assembly's triangles alone.
+    pub(super) fn new(scene: &'a Scene, assembly: &'a Assembly<R>, exact: bool) -> Self {
+        let (items, solids) = gather(scene, assembly, exact);
+        let mut surfaces = Self {
+            scene,
+            assembly,
+            solids,
+            bvh: Bvh::build(&[]).0,
+            items,
+            corners: Vec::new(),
+            rotation: scene.camera.eye_from_world_rotation(),
+            eye: scene.camera.eye,
+        };
+        let bounds: Vec<Bounds> = surfaces
+            .items
+            .iter()
+            .map(|&item| surfaces.bounds(item))
+            .collect();
+        let (bvh, order) = Bvh::build(&bounds);
+        surfaces.bvh = bvh;
+        surfaces.items = order
+            .into_iter()
+            .map(|i| surfaces.items[i as usize])
+            .collect();
+        surfaces.corners = surfaces
+            .items
+            .iter()
+            .map(|&item| surfaces.corners_of(item))
+            .collect();
+        surfaces
+    }
+
+    /// The hierarchy, for its counts.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The nearest hit of a ray; of hits at equal t the lowest primitive number.
+    pub fn closest_hit(&self, ray: &Ray, walker: &mut Walker) -> Option<Hit> {
+        let shear = Shear::new(ray.origin, ray.direction)?;
+        let mut best = None;
+        self.bvh.traverse(ray, walker, |slot, t_max| {
+            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
+                if hit.t >= ray.t_min && hit.t <= *t_max && wins(&hit, &best) {
+                    best = Some(hit);
+                    *t_max = hit.t;
+                }
+            }
+            false
+        });
+        best
+    }
+
+    /// Whether anything lies on the ray between its ends.
+    pub fn any_hit(&self, ray: &Ray, walker: &mut Walker) -> bool {
+        let Some(shear) = Shear::new(ray.origin, ray.direction) else {
+            return false;
+        };
+        self.bvh.traverse(ray, walker, |slot, _| {
+            let hits = self.hits(slot, ray, &shear);
+            hits.iter().flatten().any(|hit| in_range(ray, hit))
+        })
+    }
+
+    /// Every crossing of the ray with a surface between its ends, in order of t, then of primitive number.
+    ///
+    /// `keep` sees each one first, in no particular order; where it says false, the walk stops and there is no answer.
+    pub fn crossings(
+        &self,
+        ray: &Ray,
+        walker: &mut Walker,
+        mut keep: impl FnMut(&Hit) -> bool,
+    ) -> Option<Vec<Hit>> {
+        let mut found = Vec::new();
+        let Some(shear) = Shear::new(ray.origin, ray.direction) else {
+            return Some(found);
+        };
+        let stopped = self.bvh.traverse(ray, walker, |slot, _| {
+            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
+                if in_range(ray, &hit) {
+                    if !keep(&hit) {
+                        return true;
+                    }
+                    found.push(hit);
+                }
+            }
+            false
+        });
+        found.sort_by(|a, b| {
+            let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
+            a.t.total_cmp(&b.t).then(by_number)
+        });
+        (!stopped).then_some(found)
+    }
+
+    /// The nearest hit found by testing every primitive: what the hierarchy is held to.
+    pub fn closest_hit_of_all(&self, ray: &Ray) -> Option<Hit> {
+        let shear = Shear::new(ray.origin, ray.direction)?;
+        let mut best = None;
+        for slot in 0..self.items.len() {
+            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
+                if in_range(ray, &hit) && wins(&hit, &best) {
+                    best = Some(hit);
+                }
+            }
+        }
+        best
+    }
+
+    /// What is at a hit. `eye_ray` is the same ray in eye space where it is a primary one: a triangle's weights are then
+    /// taken from the eye-space numbers that the rasterizer uses, too.
+    pub fn site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+        if hit.item & SOLID == 0 {
+            self.triangle_site(ray, hit, eye_ray)
+        } else {
+            self.solid_site(ray, hit)
+        }
+    }
+
+    /// The material of a hit.
+    pub fn material(&self, ray: &Ray, hit: &Hit) -> u32 {
+        if hit.item & SOLID == 0 {
+            return self.assembly.material[hit.item as usize];
+        }
+        let solid = self.solid(hit.item);
+        self.solid_material(solid, solid.foot(ray, hit).1)
+    }
+
+    /// Object of a hit.
+    pub fn object(&self, hit: &Hit) -> u32 {
+        if hit.item & SOLID == 0 {
+            self.assembly.object[hit.item as usize]
+        } else {
+            self.solid(hit.item).object
+        }
+    }
+
+    #[inline]
+    fn hits(&self, slot: usize, ray: &Ray, shear: &Shear) -> [Option<Hit>; 2] {
+        let item = self.items[slot];
+        if item == ray.skip {
+            return [None; 2];
+        }
+        if item & SOLID != 0 {
+            return self.solid(item).hits(item, ray, shear);
+        }
+        let corners = self.corners[slot].map(|p| p.map(Real::to_f64));
+        let hit = shear.triangle(corners).map(|p| Hit {
+            t: p.t,
+            primitive: item,
+            item,
+            uv: p.uv,
+            feature: 0,
+            back: p.back,
+        });
+        [hit, None]
+    }
+
+    fn solid(&self, item: u32) -> &Solid {
+        &self.solids[(item & !SOLID) as usize]
+    }
+
+    fn corners_of(&self, item: u32) -> [[R; 3]; 3] {
+        if item & SOLID != 0 {
+            return [[R::ZERO; 3]; 3];
+        }
+        let triangle = self.assembly.triangles[item as usize];
+        triangle.map(|v| self.assembly.position_world[v as usize])
+    }
+
+    fn bounds(&self, item: u32) -> Bounds {
+        if item & SOLID != 0 {
+            return self.solid(item).bounds();
+        }
+        let corners = self.corners_of(item);
+        Bounds::of(corners.map(|p| DVec3::from_array(p.map(Real::to_f64))))
+    }
+
+    fn front_is_clockwise(&self) -> bool {
+        self.scene.raster.front_face == scene::FrontFace::Cw
+    }
+
+    fn solid_material(&self, solid: &Solid, tile: u32) -> u32 {
+        let materials = &self.scene.objects[solid.object as usize].materials;
+        materials[tile as usize % materials.len()] as u32
+    }
+
+    fn solid_site(&self, ray: &Ray, hit: &Hit) -> Site<R> {
+        let solid = self.solid(hit.item);
+        let (foot, tile) = solid.foot(ray, hit);
+        let eye = self.rotation * (foot.point - self.eye);
+        // A convex solid cannot be met again on the outside, a planar one on neither side.
+        let inside = if solid.is_planar() {
+            hit.item
+        } else {
+            super::ray::NO_ITEM
+        };
+        Site {
+            foot,
+            position_eye: eye.to_array().map(R::from_f64),
+            normal_eye: unit(self.rotation * foot.normal).to_array(),
+            object: solid.object,
+            material: self.solid_material(solid, tile),
+            back: hit.back != self.front_is_clockwise(),
+            skip: [hit.item, inside],
+        }
+    }
+
+    fn triangle_site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+        let a = self.assembly;
+        let triangle = a.triangles[hit.item as usize];
+        let world = self
+            .corners_of(hit.item)
+            .map(|p| DVec3::from_array(p.map(Real::to_f64)));
+        let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
+        let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
+        let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
+        // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
+        let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {
+            precise_weights(ray.origin, ray.direction, world).unwrap_or(hit.uv)
+        } else {
+            hit.uv
+        };
+        let foot = Foot {
+            point: world[0] + u * ab + v * ac,
+            normal: normal(world),
+            scale: ab.abs().max_element() + ac.abs().max_element(),
+        };
+        let [u, v] = eye_ray
+            .and_then(|(o, d)| {
+                let shear = Shear::new(o, d)?;
+                Some(shear.weights(eye.map(|p| shear.vertex(p)))?.1)
+            })
+            .unwrap_or(hit.uv);
+        let blend = |x: [[f64; 3]; 3]| {
+            [0, 1, 2].map(|k| (1.0 - u - v) * x[0][k] + u * x[1][k] + v * x[2][k])
+        };
+        Site {
+            foot,
+            position_eye: blend(eye).map(R::from_f64),
+            normal_eye: unit(DVec3::from_array(blend(normals))).to_array(),
+            object: a.object[hit.item as usize],
+            material: a.material[hit.item as usize],
+            back: hit.back != self.front_is_clockwise(),
+            skip: [hit.item; 2],
+        }
+    }
+}
+
+/// The items of a scene in file order, and its exact shapes.
+fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, Vec<Solid>) {
+    let mut items = Vec::with_capacity(assembly.triangles.len());
+    let mut solids = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let range = assembly.triangle_range.get(index).cloned().unwrap_or(0..0);
+        match &object.geometry {
+            scene::Geometry::Shape(shape) if exact => {
+                let place = &object.world_from_object;
+                if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
+                    items.push(SOLID + solids.len() as u32);
+                    solids.push(solid);
+                }
+            }
+            _ => items.extend(range),
+        }
+    }
+    (items, solids)
+}
+
+fn in_range(ray: &Ray, hit: &Hit) -> bool {
+    hit.t >= ray.t_min && hit.t <= ray.t_max
+}
+
+/// Nearer, or as near with a lower primitive number (and feature).
+fn wins(hit: &Hit, best: &Option<Hit>) -> bool {
+    best.is_none_or(|b| {
+        let number = (hit.primitive, hit.feature);
+        hit.t < b.t || (hit.t == b.t && number < (b.primitive, b.feature))
+    })
+}

@@ -1,0 +1,406 @@
+//! One tile of the picture, traced in waves: all rays of a generation, then their shading, then the next generation.
+//!
+//! A wave's hits are gathered by surface and shaded side by side; shadow rays are asked for one light over many points.
+//! Waves hold pixels one after the other and the rays of a pixel in the order in which they were made (parents in order,
+//! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
+//! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
+
+use super::branch::{Branch, Fork, Path};
+use super::bvh::Walker;
+use super::exact::unit;
+use super::media::{AIR, Media};
+use super::ray::{NO_ITEM, Ray};
+use super::shadow::Shadows;
+use super::sums::{Mean, Sums};
+use super::surface::Site;
+use super::{Counters, MAX_RAYS, Options, Plan};
+use crate::error::Error;
+use crate::frame::{LayerIndex, NONE};
+use crate::lanes::Real;
+use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
+use crate::math::{DMat3, DVec2, DVec3};
+use crate::sampling;
+use crate::scene::requirements::{Feature, Model};
+
+/// A wave longer than this is cut between pixels.
+const WAVE: usize = 1 << 14;
+
+/// A rectangle of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area {
+    pub(super) x: u32,
+    pub(super) y: u32,
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+/// What a tile shows: one value a pixel, row by row.
+#[derive(Debug)]
+pub(super) struct TileFrame<R> {
+    pub(super) area: Area,
+    pub(super) color: Vec<[R; 3]>,
+    pub(super) depth: Vec<R>,
+    pub(super) primitive: Vec<u32>,
+    pub(super) object: Vec<u32>,
+    /// One list a layer, if they were asked for.
+    pub(super) layers: Vec<Vec<[R; 3]>>,
+    pub(super) counters: Counters,
+}
+
+/// A terms list of one batch: [`Sink::Record`]'s, or one sum.
+type Terms<R> = Vec<[Vec<R>; 3]>;
+
+/// The tracer at work on one tile.
+pub(super) struct Tile<'p, 'a, R> {
+    plan: &'p Plan<'a, R>,
+    options: &'p Options,
+    area: Area,
+    rotation: DMat3,
+    signed: bool,
+    walker: Walker,
+    media: Media,
+    batches: Batches<R>,
+    counters: Counters,
+    sums: Sums<R>,
+    /// Primary rays of the sample at hand, eye space.
+    eye_rays: Vec<(DVec3, DVec3)>,
+    out: TileFrame<R>,
+}
+
+/// Traces one tile.
+pub(super) fn draw<R: Real>(
+    plan: &Plan<'_, R>,
+    options: &Options,
+    area: Area,
+) -> Result<TileFrame<R>, Error> {
+    let mut tile = Tile::new(plan, options, area);
+    let samples = plan.scene.image.samples.max(1);
+    let mut mean = Mean::new(&tile.out, samples);
+    for index in 0..samples {
+        tile.sample(index)?;
+        mean.add(&tile.sums, &mut tile.out);
+    }
+    mean.finish(&mut tile.out, tile.signed);
+    tile.counters.add_work(&tile.walker.work);
+    tile.out.counters = tile.counters;
+    Ok(tile.out)
+}
+
+impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
+    fn new(plan: &'p Plan<'a, R>, options: &'p Options, area: Area) -> Self {
+        let pixels = (area.width * area.height) as usize;
+        let index = LayerIndex {
+            lights: plan.lamps.len(),
+        };
+        let signed = plan.scene.has_negative_colors();
+        let layers = if options.layers { index.count() } else { 0 };
+        let black = || vec![[R::ZERO; 3]; pixels];
+        Self {
+            plan,
+            options,
+            area,
+            rotation: plan.scene.camera.eye_from_world_rotation(),
+            signed,
+            walker: Walker::default(),
+            media: Media::new(),
+            batches: Batches::new(plan.scene.materials.len()),
+            counters: Counters::default(),
+            sums: Sums::new(pixels, index, options.layers, signed),
+            eye_rays: Vec::new(),
+            out: TileFrame {
+                area,
+                color: black(),
+                depth: vec![R::INFINITY; pixels],
+                primitive: vec![NONE; pixels],
+                object: vec![NONE; pixels],
+                layers: (0..layers).map(|_| black()).collect(),
+                counters: Counters::default(),
+            },
+        }
+    }
+
+    /// Traces one sample of every pixel into `sums`.
+    fn sample(&mut self, index: u32) -> Result<(), Error> {
+        self.sums.clear();
+        let paths = self.primary_paths(index);
+        self.counters.rays.primary += paths.len() as u64;
+        let mut waves = vec![(0, paths)];
+        while let Some((generation, paths)) = waves.pop() {
+            let next = self.wave(generation, index, &paths)?;
+            for piece in cut_between_pixels(next).into_iter().rev() {
+                waves.push((generation + 1, piece));
+            }
+        }
+        Ok(())
+    }
+
+    fn primary_paths(&mut self, index: u32) -> Vec<Path> {
+        let pixels = 0..self.area.width * self.area.height;
+        self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
+        let camera = &self.plan.scene.camera;
+        let world_from_eye = self.rotation.transpose();
+        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| Path {
+            ray: Ray {
+                origin: camera.eye + world_from_eye * origin,
+                direction: world_from_eye * direction,
+                t_min: camera.near,
+                t_max: camera.far.unwrap_or(f64::INFINITY),
+                skip: NO_ITEM,
+            },
+            weight: [1.0; 3],
+            pixel: pixel as u32,
+            branch: Branch::Primary,
+            media: AIR,
+        };
+        self.eye_rays.iter().enumerate().map(path).collect()
+    }
+
+    /// The primary ray of a pixel of the tile, eye space.
+    fn eye_ray(&self, pixel: u32, index: u32) -> (DVec3, DVec3) {
+        let image = &self.plan.scene.image;
+        let (x, y) = self.pixel_place(pixel);
+        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, index);
+        let step = f64::from(sampling::SUBPIXEL);
+        let place = DVec2::new(
+            f64::from(x) + f64::from(sx) / step,
+            f64::from(y) + f64::from(sy) / step,
+        );
+        self.plan
+            .scene
+            .camera
+            .primary_ray(place, image.width, image.height)
+    }
+
+    fn pixel_place(&self, pixel: u32) -> (u32, u32) {
+        let (column, row) = (pixel % self.area.width, pixel / self.area.width);
+        (self.area.x + column, self.area.y + row)
+    }
+
+    /// One generation: hits, shading, sums; returns the rays of the next one.
+    fn wave(&mut self, generation: u32, index: u32, paths: &[Path]) -> Result<Vec<Path>, Error> {
+        self.batches.clear();
+        let mut sites = Vec::with_capacity(paths.len());
+        for (i, path) in paths.iter().enumerate() {
+            let site = self.meet(i as u32, path, index);
+            sites.push(site);
+        }
+        if generation == 0 {
+            self.add_local(paths, &sites);
+        } else {
+            self.add_bounced(paths, &sites);
+        }
+        let secondary = self.wanted().contains(&true);
+        if generation >= self.options.depth || !secondary {
+            return Ok(Vec::new());
+        }
+        let mut next = Vec::new();
+        for (path, site) in paths.iter().zip(&sites) {
+            if let Some(site) = site {
+                self.fork(path, site, &mut next)?;
+            }
+        }
+        Ok(next)
+    }
+
+    /// Follows one ray to its hit and enters that for shading.
+    fn meet(&mut self, tag: u32, path: &Path, index: u32) -> Option<Site<R>> {
+        let surfaces = &self.plan.surfaces;
+        let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
+        let primary = path.branch == Branch::Primary;
+        let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
+        let site = surfaces.site(&path.ray, &hit, eye_ray);
+        if primary && index == 0 {
+            let pixel = path.pixel as usize;
+            self.out.depth[pixel] = -site.position_eye[2];
+            self.out.primitive[pixel] = hit.primitive;
+            self.out.object[pixel] = site.object;
+        }
+        self.enter(tag, path, &site);
+        Some(site)
+    }
+
+    /// Enters a hit for shading: which side faces the ray, and where the viewer is.
+    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
+        let model = &self.plan.scene.light_model;
+        let arriving = self.rotation * path.ray.direction;
+        // Facing: the rule of the light model in air, towards the ray inside a medium.
+        let front = DVec3::from_array(site.normal_eye);
+        let back = model.two_sided && site.back;
+        let flip = if path.media == AIR {
+            back
+        } else {
+            arriving.dot(front) > 0.0
+        };
+        let normal = if flip { -front } else { front };
+        // A viewer at infinity is GL's for the picture; a secondary ray is looked back along.
+        let viewer = match path.branch {
+            Branch::Primary if !model.local_viewer => DVec3::Z,
+            Branch::Primary => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
+            _ => unit(-arriving),
+        };
+        let real = |v: DVec3| v.to_array().map(R::from_f64);
+        let surface = surface(site.material as usize, back);
+        let (normal, viewer) = (real(normal), real(viewer));
+        self.batches
+            .push(surface, tag, site.position_eye, normal, viewer);
+        self.counters.shaded_points += 1;
+    }
+
+    /// Primary hits: their terms are the picture's own; misses show the background.
+    fn add_local(&mut self, paths: &[Path], sites: &[Option<Site<R>>]) {
+        let background = self
+            .plan
+            .scene
+            .image
+            .background
+            .map(|x| R::ZERO + R::from_f64(x));
+        for (path, _) in paths.iter().zip(sites).filter(|(_, site)| site.is_none()) {
+            let pixel = path.pixel as usize;
+            self.sums.local[pixel] = background;
+            if let Some(emission) = self.sums.terms.get_mut(LayerIndex::EMISSION) {
+                emission[pixel] = background;
+            }
+        }
+        let batches = std::mem::take(&mut self.batches);
+        for batch in batches.iter() {
+            let terms = self.shade(batch, sites, self.sums.recording());
+            for (slot, &tag) in batch.tags.iter().enumerate() {
+                let pixel = paths[tag as usize].pixel as usize;
+                for (k, term) in terms.iter().enumerate() {
+                    let value = [term[0][slot], term[1][slot], term[2][slot]];
+                    if self.sums.recording() {
+                        self.sums.terms[k][pixel] = value;
+                    } else {
+                        self.sums.local[pixel] = value;
+                    }
+                }
+            }
+        }
+        self.batches = batches;
+    }
+
+    /// Secondary hits and misses: weight x term, in the order of the wave.
+    fn add_bounced(&mut self, paths: &[Path], sites: &[Option<Site<R>>]) {
+        let batches = std::mem::take(&mut self.batches);
+        let mut shaded: Vec<Terms<R>> = Vec::new();
+        let mut places = vec![(0u32, 0u32); paths.len()];
+        for (number, batch) in batches.iter().enumerate() {
+            shaded.push(self.shade(batch, sites, true));
+            for (slot, &tag) in batch.tags.iter().enumerate() {
+                places[tag as usize] = (number as u32, slot as u32);
+            }
+        }
+        self.batches = batches;
+        let background = self.plan.scene.image.background.map(R::from_f64);
+        for (i, path) in paths.iter().enumerate() {
+            let layer = usize::from(path.branch == Branch::Refraction);
+            let pixel = path.pixel as usize;
+            if sites[i].is_none() {
+                self.sums.add(layer, pixel, path.weight, background);
+                continue;
+            }
+            let (number, slot) = (places[i].0 as usize, places[i].1 as usize);
+            for term in &shaded[number] {
+                let value = [term[0][slot], term[1][slot], term[2][slot]];
+                self.sums.add(layer, pixel, path.weight, value);
+            }
+        }
+    }
+
+    /// Asks the equation for a batch: every term where `record`, else one sum.
+    fn shade(&mut self, batch: &Batch<R>, sites: &[Option<Site<R>>], record: bool) -> Terms<R> {
+        let plan = self.plan;
+        let material = plan.material(batch.surface);
+        let mut shadows = Shadows {
+            surfaces: &plan.surfaces,
+            scene: plan.scene,
+            lamps: &plan.lamps,
+            sources: &plan.sources,
+            material,
+            ask_all: plan.model == Model::Full,
+            sites,
+            tags: &batch.tags,
+            walker: &mut self.walker,
+            counters: &mut self.counters,
+        };
+        let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
+        let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
+        let (isa, rig) = (self.options.isa, &plan.rig);
+        let mut terms = Vec::new();
+        let mut sum = [Vec::new(), Vec::new(), Vec::new()];
+        let sink = if record {
+            Sink::Record(&mut terms)
+        } else {
+            Sink::Sum(&mut sum)
+        };
+        shade(
+            isa,
+            rig,
+            material,
+            &batch.points,
+            visibility,
+            self.signed,
+            sink,
+        );
+        if record { terms } else { vec![sum] }
+    }
+
+    /// Which secondary rays are cast: those asked for that the scene has a use for.
+    fn wanted(&self) -> [bool; 2] {
+        let needs = &self.plan.needs;
+        [
+            self.options.reflection && needs.has(Feature::ReflectionRays),
+            self.options.refraction && needs.has(Feature::RefractionRays),
+        ]
+    }
+
+    /// Adds the secondary rays of a hit to the next wave.
+    fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
+        let optics = &self.plan.scene.materials[site.material as usize].optics;
+        if !optics.is_mirror() && !optics.is_transmissive() {
+            return Ok(());
+        }
+        let fork = Fork {
+            path,
+            foot: &site.foot,
+            skip: site.skip,
+            normal_world: self.rotation.transpose() * DVec3::from_array(site.normal_eye),
+            object: site.object,
+            optics,
+            settings: &self.plan.scene.trace,
+            wanted: self.wanted(),
+        };
+        let [reflection, refraction] = fork.branches(&mut self.media);
+        self.counters.rays.reflection += u64::from(reflection.is_some());
+        self.counters.rays.refraction += u64::from(refraction.is_some());
+        let before = next.len();
+        next.extend([reflection, refraction].into_iter().flatten());
+        let rays = &mut self.sums.rays[path.pixel as usize];
+        *rays += (next.len() - before) as u32;
+        if *rays > MAX_RAYS {
+            let (x, y) = self.pixel_place(path.pixel);
+            return Err(Error::limit(format!(
+                "pixel {x} {y}: more than {MAX_RAYS} secondary rays for one sample"
+            ))
+            .with_help("lower the depth, or raise trace.weight_cutoff"));
+        }
+        Ok(())
+    }
+}
+
+/// Cuts a wave into pieces of at most about [`WAVE`] rays, never inside a pixel.
+fn cut_between_pixels(mut paths: Vec<Path>) -> Vec<Vec<Path>> {
+    let mut pieces = Vec::new();
+    while paths.len() > WAVE {
+        let pixel = paths[WAVE].pixel;
+        let start = paths.partition_point(|p| p.pixel < pixel);
+        let end = paths.partition_point(|p| p.pixel <= pixel);
+        let cut = if start > 0 { start } else { end };
+        let rest = paths.split_off(cut);
+        pieces.push(std::mem::replace(&mut paths, rest));
+    }
+    if !paths.is_empty() {
+        pieces.push(paths);
+    }
+    pieces
+}

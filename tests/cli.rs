@@ -1,0 +1,259 @@
+//! The program as a user meets it: the examples of `--help` run, errors have their place and exit code, nothing is left
+//! half-written.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn rastray(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rastray"))
+        .current_dir(folder)
+        .args(args)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn ok(folder: &Path, args: &[&str]) -> String {
+    let output = rastray(folder, args);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{args:?}: {}",
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+/// The error text of a run that must fail with exit code 2 and write nothing.
+fn error(folder: &Path, args: &[&str]) -> String {
+    let before = std::fs::read_dir(folder).expect("readable").count();
+    let output = rastray(folder, args);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    assert!(!message.contains("panicked"), "{args:?}: {message}");
+    assert_eq!(
+        std::fs::read_dir(folder).expect("readable").count(),
+        before,
+        "{args:?} left files"
+    );
+    message
+}
+
+#[test]
+fn every_example_of_the_help_runs() {
+    let folder = folder();
+    std::fs::write(
+        folder.path().join("mine.toml"),
+        ok(folder.path(), &["scenes", "whitted"]),
+    )
+    .expect("writable");
+    let mut ran = 0;
+    for command in ["", "render", "compare", "inspect", "scenes", "schema"] {
+        let mut args: Vec<&str> = command.split_whitespace().collect();
+        args.push("--help");
+        let help = ok(folder.path(), &args);
+        for line in help
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("rastray "))
+        {
+            // Comments follow two spaces; a redirection belongs to the shell.
+            let line = line.split("   ").next().unwrap_or(line);
+            let line = line.split(" > ").next().unwrap_or(line);
+            let mut args: Vec<&str> = line.split_whitespace().collect();
+            if args.is_empty() || args[0].starts_with(['<', '[']) {
+                continue;
+            }
+            // Small pictures: what is tested is that the line works.
+            if matches!(args[0], "render" | "compare") && !args.contains(&"--size") {
+                args.extend(["--size", "64x48"]);
+            }
+            ok(folder.path(), &args);
+            ran += 1;
+        }
+    }
+    assert!(ran >= 14, "only {ran} examples found");
+}
+
+#[test]
+fn short_help_fits_one_screen() {
+    let folder = folder();
+    for command in ["render", "compare", "inspect", "scenes", "schema"] {
+        let lines = ok(folder.path(), &[command, "-h"]).lines().count();
+        assert!(lines <= 40, "{command} -h has {lines} lines");
+    }
+    assert!(ok(folder.path(), &["-h"]).lines().count() <= 24);
+}
+
+#[test]
+fn compare_writes_every_file() {
+    let folder = folder();
+    let json = ok(
+        folder.path(),
+        &[
+            "compare", "whitted", "--size", "96x72", "--json", "-o", "out",
+        ],
+    );
+    let out = folder.path().join("out");
+    for file in [
+        "raster.png",
+        "trace.png",
+        "difference.png",
+        "side-by-side.png",
+        "buildup.png",
+        "layers.exr",
+        "summary.json",
+        "index.html",
+        "terms",
+        "causes",
+    ] {
+        assert!(out.join(file).exists(), "{file} is missing");
+    }
+    assert_eq!(
+        std::fs::read_dir(out.join("causes"))
+            .expect("a folder")
+            .count(),
+        9
+    );
+    let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let stored = std::fs::read_to_string(out.join("summary.json")).expect("readable");
+    assert_eq!(
+        summary,
+        serde_json::from_str::<serde_json::Value>(&stored).expect("JSON")
+    );
+    assert_eq!(summary["residual_max"], 0.0);
+    assert_eq!(summary["causes"].as_array().expect("a list").len(), 9);
+    for key in ["mse", "rmse", "mae", "max", "p50", "p95", "p99", "psnr"] {
+        assert!(summary["metrics"][key].is_number(), "{key}");
+    }
+    let leftovers = std::fs::read_dir(&out)
+        .expect("a folder")
+        .flatten()
+        .filter(|entry| entry.file_name().to_string_lossy().contains("tmp"));
+    assert_eq!(leftovers.count(), 0, "temporary files are left");
+}
+
+#[test]
+fn pictures_are_the_same_bytes_for_any_thread_count() {
+    let folder = folder();
+    for (threads, name) in [("1", "a.png"), ("2", "b.png"), ("8", "c.png")] {
+        let args = [
+            "render", "whitted", "--mode", "trace", "--size", "80x60", "-j", threads, "-o", name,
+        ];
+        ok(folder.path(), &args);
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
+    assert!(read("a.png") == read("b.png") && read("a.png") == read("c.png"));
+}
+
+#[test]
+fn required_and_full_models_give_the_same_bytes() {
+    let folder = folder();
+    for scene in ["whitted", "highlight", "lights", "two-sided", "vase"] {
+        for mode in ["raster", "trace"] {
+            for model in ["required", "full"] {
+                let name = format!("{scene}-{mode}-{model}.pfm");
+                let args = [
+                    "render", scene, "--mode", mode, "--size", "60x45", "--model", model, "-o",
+                ];
+                ok(folder.path(), &[&args[..], &[&name]].concat());
+            }
+            let read = |model| {
+                let name = format!("{scene}-{mode}-{model}.pfm");
+                std::fs::read(folder.path().join(name)).expect("written")
+            };
+            assert!(read("required") == read("full"), "{scene}, {mode}");
+        }
+    }
+}
+
+#[test]
+fn picture_on_standard_output() {
+    let folder = folder();
+    let output = rastray(
+        folder.path(),
+        &["render", "whitted", "--size", "32x24", "-o", "-"],
+    );
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(&output.stdout[..8], b"\x89PNG\r\n\x1a\n");
+}
+
+#[test]
+fn bad_flags_are_named() {
+    let folder = folder();
+    for (args, wanted) in [
+        (&["render", "whitted", "--size", "0x10"][..], "--size"),
+        (&["render", "whitted", "--size", "99999x99999"], "--size"),
+        (&["render", "whitted", "--size", "banana"], "640x480"),
+        (&["render", "whitted", "--samples", "0"], "--samples"),
+        (
+            &["render", "whitted", "--tessellation", "2"],
+            "--tessellation",
+        ),
+        (&["render", "whitted", "--snap", "9"], "8 or 12"),
+        (&["render", "whitted", "--isa", "mmx"], "--isa"),
+        (&["render", "whitted", "-o", "picture.bmp"], ".png"),
+        (&["render", "whitted", "-o", "picture"], ".png"),
+        (&["render", "whitted", "--layers", "-o", "a.png"], ".exr"),
+        (
+            &["render", "whitted", "-o", "no/such/folder/a.png"],
+            "no/such/folder",
+        ),
+        (&["render", "wihtted"], "whitted"),
+        (&["render", "missing.toml"], "missing.toml"),
+        (&["render", "whitted", "--set", "trace.dpeth=1"], "depth"),
+        (&["render", "whitted", "--set", "nonsense"], "KEY=VALUE"),
+        (&["scenes", "wihtted"], "whitted"),
+    ] {
+        let message = error(folder.path(), args);
+        assert!(
+            message.contains(wanted),
+            "{args:?} should name {wanted}:\n{message}"
+        );
+    }
+}
+
+#[test]
+fn errors_show_the_line_with_a_caret() {
+    let folder = folder();
+    let scene = "[object.ball]\nshape = \"sphere\"\nradius = \"big\"\n";
+    std::fs::write(folder.path().join("bad.toml"), scene).expect("writable");
+    let message = error(folder.path(), &["render", "bad.toml"]);
+    assert!(message.contains("bad.toml:3:10"), "{message}");
+    assert!(message.contains("radius = \"big\""), "{message}");
+    assert!(message.contains("^^^^^"), "{message}");
+}
+
+#[test]
+fn inspect_names_features_and_reasons() {
+    let folder = folder();
+    let json = ok(folder.path(), &["inspect", "whitted", "--json"]);
+    let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let features: Vec<&str> = report["features"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|f| f.as_str())
+        .collect();
+    for wanted in [
+        "diffuse",
+        "reflection_rays",
+        "refraction_rays",
+        "shadow_rays",
+    ] {
+        assert!(features.contains(&wanted), "{wanted} in {features:?}");
+        assert!(
+            report["why"][wanted]
+                .as_str()
+                .is_some_and(|why| !why.is_empty())
+        );
+    }
+    assert!(ok(folder.path(), &["inspect", "whitted"]).contains("Requires"));
+}

@@ -1,0 +1,195 @@
+//! The rasterizer against the tracer, and both against themselves: the most valuable tests of the project.
+//!
+//! On every shipped scene: the causes sum to the total difference with residual 0; rungs 3 and 4 agree as the ladder
+//! promises; layers add up to the pictures bit for bit; thread count and instruction set change no byte.
+
+use rastray::decompose::{CAUSES, Ladder, Options, decompose};
+use rastray::frame::{Frame, Layers, Plane};
+use rastray::gl::ShadeModel;
+use rastray::import::{LoadOptions, load, shipped};
+use rastray::lanes::{Isa, Real};
+use rastray::scene::Scene;
+use rastray::scene::assembly::Assembly;
+use rastray::scene::requirements::Model;
+use rastray::{raster, trace};
+
+fn scene(name: &str, width: u32, height: u32) -> Scene {
+    let mut scene = load(name, &LoadOptions::default())
+        .expect("a shipped scene loads")
+        .scene;
+    (scene.image.width, scene.image.height) = (width, height);
+    scene
+}
+
+fn climb<R: Real>(scene: &Scene, isa: Isa) -> Ladder {
+    let options = Options {
+        level: None,
+        isa,
+        model: Model::Required,
+        shadows: true,
+        reflection: true,
+        refraction: true,
+    };
+    decompose::<R>(scene, &options, &|_| {}).expect("a shipped scene renders")
+}
+
+fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a pool")
+        .install(work)
+}
+
+#[test]
+fn causes_sum_to_the_total_on_every_shipped_scene() {
+    for shipped in shipped() {
+        let ladder = climb::<f32>(&scene(shipped.name, 200, 150), Isa::detect());
+        assert_eq!(ladder.residual_max, 0.0, "{}", shipped.name);
+        assert_eq!(ladder.limited_pixels, 0, "{}", shipped.name);
+        assert_eq!(ladder.rungs.len(), CAUSES.len() + 1);
+        let total: f64 = ladder.total().data.iter().flatten().map(|x| x.abs()).sum();
+        assert!(
+            total > 0.0,
+            "{}: the two pictures are the same",
+            shipped.name
+        );
+    }
+}
+
+#[test]
+fn raster_and_cast_agree_on_every_shipped_scene() {
+    for shipped in shipped() {
+        let scene = scene(shipped.name, 320, 240);
+        for agreement in [
+            climb::<f32>(&scene, Isa::detect()).agreement,
+            climb::<f64>(&scene, Isa::detect()).agreement,
+        ] {
+            println!("{}: {agreement:?}", shipped.name);
+            assert!(
+                agreement.interior_max <= 1e-5,
+                "{}: {agreement:?}",
+                shipped.name
+            );
+            assert_eq!(agreement.coverage.raster_only, 0, "{}", shipped.name);
+            assert_eq!(agreement.coverage.trace_only, 0, "{}", shipped.name);
+            let both = agreement.coverage.both;
+            assert!(
+                both > 20 * agreement.edge_pixels,
+                "{}: {agreement:?}",
+                shipped.name
+            );
+        }
+    }
+}
+
+/// Bit for bit, -0 and +0 apart.
+fn assert_layers_sum<R: Real>(layers: &Layers<R>, color: &Plane<[R; 3]>, what: &str) {
+    for (pixel, color) in color.data.iter().enumerate() {
+        let sum = layers.sum(pixel);
+        for c in 0..3 {
+            let (sum, color) = (sum[c].to_f64().to_bits(), color[c].to_f64().to_bits());
+            assert_eq!(sum, color, "{what}: pixel {pixel}, channel {c}");
+        }
+    }
+}
+
+fn draw_raster<R: Real>(scene: &Scene, options: &raster::Options) -> Frame<R> {
+    let assembly = Assembly::new(scene, None).expect("an assembly");
+    raster::Plan::new(scene, &assembly, Model::Required)
+        .draw(options)
+        .expect("a picture")
+        .0
+}
+
+fn draw_trace<R: Real>(scene: &Scene, options: &trace::Options) -> Frame<R> {
+    let assembly = Assembly::new(scene, None).expect("an assembly");
+    let plan = trace::Plan::new(scene, &assembly, trace::Geometry::Exact, Model::Required)
+        .expect("a plan");
+    plan.draw(options).expect("a picture").0
+}
+
+#[test]
+fn layers_add_up_bit_for_bit() {
+    for shipped in shipped() {
+        for samples in [1, 4] {
+            let mut scene = scene(shipped.name, 96, 72);
+            scene.image.samples = samples;
+            layers_of::<f32>(&scene, shipped.name);
+            layers_of::<f64>(&scene, shipped.name);
+        }
+    }
+}
+
+fn layers_of<R: Real>(scene: &Scene, name: &str) {
+    let isa = Isa::detect();
+    for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
+        let options = raster::Options {
+            shading,
+            clamp: false,
+            layers: true,
+            isa,
+        };
+        let frame = draw_raster::<R>(scene, &options);
+        let layers = frame.layers.as_ref().expect("layers were asked for");
+        assert_layers_sum(layers, &frame.color, &format!("{name}, {shading:?}"));
+        let without = draw_raster::<R>(
+            scene,
+            &raster::Options {
+                layers: false,
+                ..options
+            },
+        );
+        assert_eq!(
+            without.color, frame.color,
+            "{name}: Sum and Record differ, {shading:?}"
+        );
+        let remainder = layers.planes.last().expect("a remainder layer");
+        if shading == ShadeModel::Phong && scene.image.samples == 1 {
+            assert!(
+                remainder.data.iter().flatten().all(|x| *x == R::ZERO),
+                "{name}"
+            );
+        }
+    }
+    let options = trace::Options {
+        layers: true,
+        ..trace::Options::of(scene, isa)
+    };
+    let frame = draw_trace::<R>(scene, &options);
+    let layers = frame.layers.as_ref().expect("layers were asked for");
+    assert_layers_sum(layers, &frame.color, &format!("{name}, traced"));
+    let without = draw_trace::<R>(
+        scene,
+        &trace::Options {
+            layers: false,
+            ..options
+        },
+    );
+    assert_eq!(
+        without.color, frame.color,
+        "{name}: Sum and Record differ, traced"
+    );
+}
+
+#[test]
+fn threads_and_instruction_sets_change_no_byte() {
+    for shipped in shipped() {
+        let scene = scene(shipped.name, 128, 96);
+        let reference = in_threads(1, || climb::<f32>(&scene, Isa::Scalar)).rungs;
+        for (threads, isa) in [(2, Isa::Scalar), (8, Isa::Scalar)]
+            .into_iter()
+            .chain(Isa::available().into_iter().map(|isa| (2, isa)))
+        {
+            let rungs = in_threads(threads, || climb::<f32>(&scene, isa)).rungs;
+            for (rung, (a, b)) in reference.iter().zip(&rungs).enumerate() {
+                let name = isa.name();
+                assert!(
+                    a == b,
+                    "{}: rung {rung}, {threads} threads, {name}",
+                    shipped.name
+                );
+            }
+        }
+    }
+}
