@@ -145,16 +145,16 @@ impl<R: Real> Workspace<R> {
                 if primitive == NONE {
                     continue;
                 }
-                let seen = match current.take() {
-                    Some(seen) if seen.primitive == primitive => seen,
-                    _ => self.meet(pass.plan, pass.mode, primitive),
-                };
+                if current.as_ref().is_none_or(|c| c.primitive != primitive) {
+                    current = Some(self.meet(pass.plan, pass.mode, primitive));
+                }
+                let Some(seen) = &current else { continue };
                 let ray = pass.samples.ray(x, y);
                 let weights = seen.weights.between(ray, seen.distance, range);
                 let mut points = seen.points;
                 if pass.mode.shading == ShadeModel::Phong {
                     let tag = self.fragments.len() as u32;
-                    self.push_fragment(pass.plan, &seen, weights, tag);
+                    self.push_fragment(pass.plan, seen, weights, tag);
                     points = [tag; 3];
                 }
                 self.fragments.push(Fragment {
@@ -162,7 +162,6 @@ impl<R: Real> Workspace<R> {
                     points,
                     weights,
                 });
-                current = Some(seen);
             }
         }
     }
@@ -180,7 +179,10 @@ impl<R: Real> Workspace<R> {
             ShadeModel::Phong => [0; 3],
             // The provoking vertex is the last (GL 2.1 section 2.14.7).
             ShadeModel::Flat => [self.push_vertex(plan, corners[2], surface); 3],
-            ShadeModel::Gouraud => corners.map(|v| self.push_vertex(plan, v, surface)),
+            ShadeModel::Gouraud => {
+                let mut push = |v| self.push_vertex(plan, v, surface);
+                [push(corners[0]), push(corners[1]), push(corners[2])]
+            }
         };
         Current {
             primitive,
@@ -210,9 +212,11 @@ impl<R: Real> Workspace<R> {
 
     /// Puts an interpolated place into the batches; its normal is renormalised.
     fn push_fragment(&mut self, plan: &Plan<'_, R>, seen: &Current, weights: [f64; 3], tag: u32) {
-        let position = mix3(weights, seen.corners.map(|v| plan.assembly.vertex_eye(v)));
-        let normals = seen.corners.map(|v| plan.assembly.vertex_normal(v));
-        let [p, q, r] = normals;
+        let (assembly, [a, b, c]) = (plan.assembly, seen.corners);
+        let place = |v| assembly.vertex_eye(v);
+        let position = mix3(weights, [place(a), place(b), place(c)]);
+        let normal = |v| assembly.vertex_normal(v);
+        let [p, q, r] = [normal(a), normal(b), normal(c)];
         let raw = [
             mix(weights, [p[0], q[0], r[0]]),
             mix(weights, [p[1], q[1], r[1]]),
@@ -314,7 +318,7 @@ impl Fragment {
 /// The normal of the side that a surface number names: back surfaces turn it round.
 fn turned<R: Real>(normal: [R; 3], surface: usize) -> [R; 3] {
     if surface % 2 == 1 {
-        normal.map(|x| -x)
+        [-normal[0], -normal[1], -normal[2]]
     } else {
         normal
     }
