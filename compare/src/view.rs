@@ -194,7 +194,7 @@ mod tests {
         let mut pixels = vec![[0.0f32; 3]; 6];
         let new = |w, h, p: &[[f32; 3]]| ImageView::new(w, h, p, Encoding::Linear).map(|_| ());
         assert_eq!(new(0, 6, &[]), Err(CompareError::Empty));
-        assert_eq!(new(usize::MAX, 2, &pixels).is_err(), true);
+        assert!(new(usize::MAX, 2, &pixels).is_err());
         pixels[4][2] = f32::NAN;
         assert_eq!(
             new(3, 2, &pixels),

@@ -13,7 +13,9 @@ use super::{InspectArgs, SceneArgs, ScenesArgs, diagnostic};
 
 /// Imports the scene and says its notes.
 pub(crate) fn load(args: &SceneArgs, verbosity: Verbosity) -> Result<import::Imported, Error> {
-    let options = import::LoadOptions { sets: args.sets.clone() };
+    let options = import::LoadOptions {
+        sets: args.sets.clone(),
+    };
     let imported = import::load(&args.scene, &options)?;
     if verbosity != Verbosity::Quiet {
         imported.notes.iter().for_each(diagnostic::note);
@@ -44,7 +46,9 @@ pub(crate) fn scenes(args: &ScenesArgs) -> Result<(), Error> {
         return print(import::shipped_text(name)?);
     }
     if args.json {
-        let list = shipped.iter().map(|s| json!({"name": s.name, "title": s.title}));
+        let list = shipped
+            .iter()
+            .map(|s| json!({"name": s.name, "title": s.title}));
         return print_json(&serde_json::Value::Array(list.collect()));
     }
     let width = shipped.iter().map(|s| s.name.len()).max().unwrap_or(0);
@@ -68,8 +72,10 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
     let needs = Requirements::of(scene, Mode::Trace);
     let features: Vec<(&str, &str)> = needs.iter().map(|(f, why)| (f.name(), why)).collect();
     if args.json {
-        let why: serde_json::Map<String, serde_json::Value> =
-            features.iter().map(|(name, why)| ((*name).to_owned(), json!(why))).collect();
+        let why: serde_json::Map<String, serde_json::Value> = features
+            .iter()
+            .map(|(name, why)| ((*name).to_owned(), json!(why)))
+            .collect();
         return print_json(&json!({
             "triangles": triangles,
             "objects": scene.objects.len(),
@@ -96,7 +102,14 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
         .filter(|(_, f)| !needs.has(*f))
         .map(|(name, _)| *name)
         .collect();
-    text += &format!("\nDoes without\n  {}\n", if absent.is_empty() { "nothing".into() } else { absent.join(", ") });
+    text += &format!(
+        "\nDoes without\n  {}\n",
+        if absent.is_empty() {
+            "nothing".into()
+        } else {
+            absent.join(", ")
+        }
+    );
     if !imported.notes.is_empty() {
         text += "\nNotes\n";
         for note in &imported.notes {
@@ -108,5 +121,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
 
 fn table(rows: &[(&str, &str)]) -> String {
     let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    rows.iter().map(|(name, why)| format!("  {name:width$}  {why}\n")).collect()
+    rows.iter()
+        .map(|(name, why)| format!("  {name:width$}  {why}\n"))
+        .collect()
 }

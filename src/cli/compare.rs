@@ -7,26 +7,19 @@ use rastray::decompose::{self, CAUSES, Ladder, decompose};
 use rastray::error::Error;
 use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
 use rastray::import::Imported;
+use rastray::report::Report;
 use rastray::report::equation::{Form, Term};
 use rastray::report::files::{self, View};
 use rastray::report::layered::{self, NamedLayer};
-use rastray::report::picture::Picture;
+use rastray::report::page::NamedPlane;
 use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
-use rastray::report::{figures, formats};
+use rastray::scene::Scene;
+use rastray::scene::tessellate::DEFAULT_LEVEL;
 use rastray_compare::{Encoding, ImageView, Map, Reduction, metrics, signed_map, summarize};
 use serde_json::{Value, json};
 
 use super::options::{Quality, Verbosity, apply};
 use super::{CompareArgs, PrecisionArg, commands};
-
-/// Everything that goes into the folder, with the way to write it.
-struct Folder<'a> {
-    path: PathBuf,
-    view: View,
-    verbosity: Verbosity,
-    imported: &'a Imported,
-    ladder: Ladder,
-}
 
 pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
     let start = Instant::now();
@@ -47,13 +40,39 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
         PrecisionArg::F64 => decompose::<f64>(&imported.scene, &options, &step)?,
     };
     let render_seconds = start.elapsed().as_secs_f64();
-    let view = if args.quality.srgb { View::Srgb } else { View::Linear };
-    let folder = Folder { path, view, verbosity, imported: &imported, ladder };
-    let summary = folder.write(start, render_seconds)?;
+    let view = if args.quality.srgb {
+        View::Srgb
+    } else {
+        View::Linear
+    };
+    let comparison = Comparison {
+        imported: &imported,
+        ladder: &ladder,
+    };
+    let report = Report {
+        title: imported.scene.name.clone(),
+        command: command_line(),
+        form: comparison.form(),
+        view,
+        raster: to_f32(&ladder.rungs[0]),
+        trace: to_f32(&ladder.rungs[9]),
+        difference: signed(&ladder.total())?,
+        cause_maps: comparison.cause_maps()?,
+        terms: comparison.terms(),
+        buildup: comparison.buildup(),
+        summary: comparison.summary(start, render_seconds)?,
+        notes: imported.notes.clone(),
+        settings: settings(args, &imported.scene, &quality),
+    };
+    verbosity.step("figures and page");
+    files::create_folder(&path)?;
+    files::write_bytes_atomic(&path.join("layers.exr"), &comparison.layers(view)?)?;
+    report.write(&path)?;
+    verbosity.say(path.join("index.html").display());
     if args.json {
-        return commands::print(&summary);
+        let text = report.summary.to_json();
+        commands::print(&text.map_err(|e| Error::limit(format!("summary.json: {e}")))?)?;
     }
-    verbosity.say(folder.path.join("index.html").display());
     Ok(())
 }
 
@@ -77,90 +96,53 @@ fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
     plane.map(|c| c.map(|x| x as f32))
 }
 
-impl Folder<'_> {
-    fn write(&self, start: Instant, render_seconds: f64) -> Result<String, Error> {
-        for folder in [self.path.clone(), self.path.join("causes"), self.path.join("terms")] {
-            files::create_folder(&folder)?;
-        }
-        let raster = Picture::from_linear(&to_f32(&self.ladder.rungs[0]), self.view)?;
-        let trace = Picture::from_linear(&to_f32(&self.ladder.rungs[9]), self.view)?;
-        self.png("raster.png", &raster)?;
-        self.png("trace.png", &trace)?;
-        let difference = Picture::from_map(&self.map(&self.ladder.total())?);
-        self.difference("difference.png", &difference, "difference", "trace minus raster")?;
-        self.png("side-by-side.png", &side_by_side(&raster, &trace, &difference)?)?;
-        let causes = self.causes()?;
-        let terms = self.terms()?;
-        let buildup = self.buildup()?;
-        self.png("buildup.png", &buildup)?;
-        self.layers()?;
-        let summary = self.summary(start, render_seconds)?;
-        let text = summary.to_json().map_err(|e| Error::limit(format!("summary.json: {e}")))?;
-        self.bytes("summary.json", text.as_bytes())?;
-        Ok(text)
+/// The signed map of a difference.
+fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+    let Plane {
+        width,
+        height,
+        data,
+    } = difference;
+    figure(signed_map(*width, *height, data, Reduction::Largest))
+}
+
+/// A scene and its ladder, on the way to a report.
+struct Comparison<'a> {
+    imported: &'a Imported,
+    ladder: &'a Ladder,
+}
+
+impl Comparison<'_> {
+    /// One map a cause, in ladder order.
+    fn cause_maps(&self) -> Result<Vec<Map>, Error> {
+        (0..CAUSES.len())
+            .map(|i| signed(&self.ladder.cause(i)))
+            .collect()
     }
 
-    fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        self.verbosity.step(name);
-        files::write_bytes_atomic(&self.path.join(name), bytes)
-    }
-
-    fn png(&self, name: &str, picture: &Picture) -> Result<(), Error> {
-        self.bytes(name, &formats::png_of_picture(picture)?)
-    }
-
-    /// A difference map with its legend.
-    fn difference(&self, name: &str, map: &Picture, title: &str, note: &str) -> Result<(), Error> {
-        self.png(name, &figures::map(figures::Panel { picture: map, title, note })?)
-    }
-
-    fn map(&self, difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
-        let Plane { width, height, data } = difference;
-        figure(signed_map(*width, *height, data, Reduction::Largest))
-    }
-
-    /// `causes/NN-NAME.png`, in ladder order.
-    fn causes(&self) -> Result<Vec<Picture>, Error> {
-        let mut pictures = Vec::new();
-        for (i, name) in CAUSES.iter().enumerate() {
-            let map = Picture::from_map(&self.map(&self.ladder.cause(i))?);
-            let note = format!("step {} of {}", i + 1, CAUSES.len());
-            self.difference(&format!("causes/{:02}-{name}.png", i + 1), &map, name, &note)?;
-            pictures.push(map);
-        }
-        Ok(pictures)
-    }
-
-    /// `terms/NN-NAME.png`: each layer of the traced picture.
-    fn terms(&self) -> Result<Vec<(String, Picture)>, Error> {
+    /// Each layer of the traced picture; the remainder is rounding, not a term.
+    fn terms(&self) -> Vec<NamedPlane> {
         let layers = &self.ladder.trace_layers;
-        let mut pictures = Vec::new();
-        for (i, (name, plane)) in layers.names.iter().zip(&layers.planes).enumerate() {
-            if name == "remainder" {
-                continue; // rounding, not a term
-            }
-            let picture = Picture::from_linear(plane, self.view)?;
-            self.png(&format!("terms/{i:02}-{}.png", file_name(name)), &picture)?;
-            pictures.push((name.clone(), picture));
-        }
-        Ok(pictures)
+        let named = layers
+            .names
+            .iter()
+            .zip(&layers.planes)
+            .filter(|(name, _)| *name != "remainder");
+        named
+            .map(|(name, plane)| NamedPlane {
+                name: name.clone(),
+                plane: plane.clone(),
+            })
+            .collect()
     }
 
     /// The equation growing term by term: local terms of the primary hits, then shadows, mirror, refraction.
-    fn buildup(&self) -> Result<Picture, Error> {
+    fn buildup(&self) -> Vec<(Term, Plane<[f32; 3]>)> {
         let local = &self.ladder.local_layers;
         let lights = self.imported.scene.enabled_lights().count();
-        let mut pictures = Vec::new();
-        for kinds in 0..4 {
-            pictures.push(partial_sum(local, lights, kinds));
-        }
-        pictures.extend([6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung])));
-        let pictures = pictures
-            .iter()
-            .map(|plane| Picture::from_linear(plane, self.view))
-            .collect::<Result<Vec<_>, _>>()?;
-        let steps: Vec<(Term, &Picture)> = Term::ALL.into_iter().zip(&pictures).collect();
-        figures::buildup(&steps, self.form())
+        let sums = (0..4).map(|kinds| partial_sum(local, lights, kinds));
+        let traced = [6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung]));
+        Term::ALL.into_iter().zip(sums.chain(traced)).collect()
     }
 
     /// How this scene writes the equation: its specular form, and whether every mirror weight is K_S.
@@ -174,24 +156,23 @@ impl Folder<'_> {
     }
 
     /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.
-    fn layers(&self) -> Result<(), Error> {
-        let ladder = &self.ladder;
-        let named = |prefix: &str, layers| -> Vec<NamedLayer<'_>> {
-            let layers: &Layers<f32> = layers;
-            let pairs = layers.names.iter().zip(&layers.planes);
-            pairs.map(|(n, plane)| NamedLayer { name: format!("{prefix}{n}"), plane }).collect()
-        };
+    fn layers(&self, view: View) -> Result<Vec<u8>, Error> {
+        let ladder = self.ladder;
         let mut all = named("", &ladder.trace_layers);
         all.extend(named("raster.", &ladder.raster_layers));
-        let bytes = layered::exr(Some(&ladder.trace_color), self.view, &all)?;
-        self.bytes("layers.exr", &bytes)
+        layered::exr(Some(&ladder.trace_color), view, &all)
     }
 
     fn summary(&self, start: Instant, render_seconds: f64) -> Result<Summary, Error> {
         let ladder = &self.ladder;
         let (raster, trace) = (to_f32(&ladder.rungs[0]), to_f32(&ladder.rungs[9]));
         let (width, height) = (raster.width, raster.height);
-        let reference = figure(ImageView::new(width, height, &raster.data, Encoding::Linear))?;
+        let reference = figure(ImageView::new(
+            width,
+            height,
+            &raster.data,
+            Encoding::Linear,
+        ))?;
         let test = figure(ImageView::new(width, height, &trace.data, Encoding::Linear))?;
         let mut causes = Vec::new();
         for (i, name) in CAUSES.iter().enumerate() {
@@ -222,10 +203,46 @@ impl Folder<'_> {
     }
 }
 
-/// Layer names hold dots and the user's words; file names keep letters, digits, dots and dashes.
-fn file_name(layer: &str) -> String {
-    let safe = |c: char| if c.is_alphanumeric() || c == '.' || c == '-' { c } else { '_' };
-    layer.chars().map(safe).collect()
+/// The command line as it could be typed again.
+fn command_line() -> String {
+    let quote = |arg: String| {
+        let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
+        if !arg.is_empty() && arg.chars().all(plain) {
+            arg
+        } else {
+            format!("'{arg}'")
+        }
+    };
+    let mut words = vec!["rastray".to_owned()];
+    words.extend(std::env::args().skip(1).map(quote));
+    words.join(" ")
+}
+
+/// What was rendered how, for the page.
+fn settings(args: &CompareArgs, scene: &Scene, quality: &Quality) -> Vec<(String, String)> {
+    let image = &scene.image;
+    let precision = match args.quality.precision {
+        PrecisionArg::F32 => "f32",
+        PrecisionArg::F64 => "f64",
+    };
+    let pairs = [
+        ("size", format!("{}x{}", image.width, image.height)),
+        ("samples", image.samples.to_string()),
+        (
+            "shading",
+            format!("{:?}", scene.raster.shading).to_lowercase(),
+        ),
+        (
+            "tessellation",
+            quality.level.unwrap_or(DEFAULT_LEVEL).to_string(),
+        ),
+        ("depth", scene.trace.depth.to_string()),
+        ("precision", precision.to_owned()),
+        ("snap", scene.raster.snap.bits().to_string()),
+        ("isa", quality.isa.name().to_owned()),
+        ("threads", rayon::current_num_threads().to_string()),
+    ];
+    pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
 }
 
 /// The picture with emission, then ambient, then diffuse, then specular (`kinds` = 0 to 3), in the stated order.
@@ -237,17 +254,29 @@ fn partial_sum(layers: &Layers<f32>, lights: usize, kinds: usize) -> Plane<[f32;
         used.extend((0..lights).flat_map(|light| (0..kinds).map(move |k| index.light(light) + k)));
     }
     let first = &layers.planes[0];
-    let pixel = |i: usize| sum_in_order(used.iter().map(|l| layers.planes[*l].data[i]), layers.signed);
+    let pixel = |i: usize| {
+        sum_in_order(
+            used.iter().map(|l| layers.planes[*l].data[i]),
+            layers.signed,
+        )
+    };
     let data = (0..first.data.len()).map(pixel).collect();
-    Plane { width: first.width, height: first.height, data }
+    Plane {
+        width: first.width,
+        height: first.height,
+        data,
+    }
 }
 
-fn side_by_side(raster: &Picture, trace: &Picture, map: &Picture) -> Result<Picture, Error> {
-    figures::strip(&[
-        figures::Panel { picture: raster, title: "raster", note: "OpenGL: local illumination" },
-        figures::Panel { picture: trace, title: "trace", note: "Whitted: global illumination" },
-        figures::Panel { picture: map, title: "difference", note: "trace minus raster" },
-    ])
+/// The layers with a prefix to their names.
+fn named<'a>(prefix: &str, layers: &'a Layers<f32>) -> Vec<NamedLayer<'a>> {
+    let pairs = layers.names.iter().zip(&layers.planes);
+    pairs
+        .map(|(name, plane)| NamedLayer {
+            name: format!("{prefix}{name}"),
+            plane,
+        })
+        .collect()
 }
 
 fn counters(ladder: &Ladder) -> serde_json::Map<String, Value> {

@@ -15,7 +15,11 @@ fn title(error: &Error) -> String {
 /// Byte range of a place's characters within its line.
 fn span(place: &Place) -> std::ops::Range<usize> {
     let at = |column: usize| {
-        place.text.char_indices().nth(column).map_or(place.text.len(), |(byte, _)| byte)
+        place
+            .text
+            .char_indices()
+            .nth(column)
+            .map_or(place.text.len(), |(byte, _)| byte)
     };
     let start = place.column.saturating_sub(1);
     at(start)..at(start + place.length)

@@ -87,10 +87,22 @@ const SCHEMA_EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 pub(crate) struct Global {
     /// Worker threads (default: one a core)
-    #[arg(short = 'j', long, global = true, value_name = "N", help_heading = "General")]
+    #[arg(
+        short = 'j',
+        long,
+        global = true,
+        value_name = "N",
+        help_heading = "General"
+    )]
     threads: Option<usize>,
     /// Say nothing but errors
-    #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = "General")]
+    #[arg(
+        short,
+        long,
+        global = true,
+        conflicts_with = "verbose",
+        help_heading = "General"
+    )]
     quiet: bool,
     /// Say more: each step as it starts
     #[arg(short, long, global = true, help_heading = "General")]
@@ -197,7 +209,12 @@ pub(crate) struct QualityArgs {
     #[arg(long)]
     no_refraction: bool,
     /// Tessellation of shapes: slices of a full turn, half as many stacks (default 64)
-    #[arg(long, value_name = "N", hide_short_help = true, help_heading = "Expert")]
+    #[arg(
+        long,
+        value_name = "N",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
     tessellation: Option<u32>,
     /// Precision of the whole path
     #[arg(
@@ -210,7 +227,12 @@ pub(crate) struct QualityArgs {
     )]
     precision: PrecisionArg,
     /// Sub-pixel bits that vertices snap to before coverage: 8 or 12
-    #[arg(long, value_name = "BITS", hide_short_help = true, help_heading = "Expert")]
+    #[arg(
+        long,
+        value_name = "BITS",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
     snap: Option<String>,
     /// Evaluate only what the scene requires, or everything: the same bytes
     #[arg(
@@ -223,7 +245,12 @@ pub(crate) struct QualityArgs {
     )]
     model: ModelArg,
     /// Instruction set: scalar, sse4.2, avx2, avx512, neon (default: the best there is): the same bytes
-    #[arg(long, value_name = "ISA", hide_short_help = true, help_heading = "Expert")]
+    #[arg(
+        long,
+        value_name = "ISA",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
     isa: Option<String>,
     /// Encode displayed values as sRGB (default: linear values are stored as they are, as in GL)
     #[arg(long, hide_short_help = true, help_heading = "Expert")]
@@ -238,7 +265,12 @@ struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Renderer: raster, cast (primary rays only), trace
-    #[arg(long, value_enum, default_value = "raster", hide_possible_values = true)]
+    #[arg(
+        long,
+        value_enum,
+        default_value = "raster",
+        hide_possible_values = true
+    )]
     mode: ModeArg,
     #[command(flatten)]
     quality: QualityArgs,
@@ -256,10 +288,21 @@ struct RenderArgs {
     )]
     geometry: GeometryArg,
     /// GL's clamps (default: gl for PNG, none for float files)
-    #[arg(long, value_enum, value_name = "CLAMP", hide_short_help = true, help_heading = "Expert")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "CLAMP",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
     clamp: Option<ClampArg>,
     /// Write times and counters as JSON
-    #[arg(long, value_name = "FILE", hide_short_help = true, help_heading = "Expert")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
     stats: Option<PathBuf>,
     /// Print times and counters as JSON
     #[arg(long)]

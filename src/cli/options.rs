@@ -54,7 +54,10 @@ pub(crate) fn in_pool<T: Send>(
     const MOST: usize = 1024;
     let threads = threads.unwrap_or(0);
     if threads > MOST {
-        return Err(Error::parameter("--threads", format!("{threads}: expected 1 to {MOST}")));
+        return Err(Error::parameter(
+            "--threads",
+            format!("{threads}: expected 1 to {MOST}"),
+        ));
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -98,7 +101,10 @@ pub(crate) fn apply(args: &QualityArgs, scene: &mut Scene) -> Result<Quality, Er
             "8" => Snap::Bits8,
             "12" => Snap::Bits12,
             other => {
-                return Err(Error::parameter("--snap", format!("{other}: expected 8 or 12")));
+                return Err(Error::parameter(
+                    "--snap",
+                    format!("{other}: expected 8 or 12"),
+                ));
             }
         };
     }
@@ -114,7 +120,11 @@ pub(crate) fn apply(args: &QualityArgs, scene: &mut Scene) -> Result<Quality, Er
         ModelArg::Required => Model::Required,
         ModelArg::Full => Model::Full,
     };
-    Ok(Quality { level: args.tessellation, isa, model })
+    Ok(Quality {
+        level: args.tessellation,
+        isa,
+        model,
+    })
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), Error> {
@@ -126,7 +136,10 @@ fn parse_size(text: &str) -> Result<(u32, u32), Error> {
     let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     let (width, height) = side(width).zip(side(height)).ok_or_else(wrong)?;
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err(Error::parameter("--size", format!("{text}: more than {MAX_PIXELS} pixels")));
+        return Err(Error::parameter(
+            "--size",
+            format!("{text}: more than {MAX_PIXELS} pixels"),
+        ));
     }
     Ok((width, height))
 }
@@ -134,8 +147,11 @@ fn parse_size(text: &str) -> Result<(u32, u32), Error> {
 fn parse_isa(name: &str) -> Result<Isa, Error> {
     let available = Isa::available();
     let names: Vec<&str> = available.iter().map(|isa| isa.name()).collect();
-    Isa::from_name(name).filter(|isa| available.contains(isa)).ok_or_else(|| {
-        let message = format!("{name}: not available here");
-        Error::parameter("--isa", message).with_help(format!("this machine has {}", names.join(", ")))
-    })
+    Isa::from_name(name)
+        .filter(|isa| available.contains(isa))
+        .ok_or_else(|| {
+            let message = format!("{name}: not available here");
+            Error::parameter("--isa", message)
+                .with_help(format!("this machine has {}", names.join(", ")))
+        })
 }

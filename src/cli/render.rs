@@ -49,14 +49,18 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         Some(path) => Format::of_path(path)?,
     };
     if args.layers && format != Format::Exr {
-        return Err(Error::parameter("--layers", "only .exr files hold named layers")
-            .with_help("write to a name that ends in .exr, such as -o layers.exr"));
+        return Err(
+            Error::parameter("--layers", "only .exr files hold named layers")
+                .with_help("write to a name that ends in .exr, such as -o layers.exr"),
+        );
     }
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
     let quality = apply(&args.quality, &mut imported.scene)?;
-    let clamp = args.clamp.map_or(!format.is_float(), |clamp| clamp == ClampArg::Gl);
+    let clamp = args
+        .clamp
+        .map_or(!format.is_float(), |clamp| clamp == ClampArg::Gl);
     let job = Job {
         mode: args.mode,
         geometry: match args.geometry {
@@ -75,7 +79,11 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         PrecisionArg::F32 => draw::<f32>(&imported.scene, &job)?,
         PrecisionArg::F64 => draw::<f64>(&imported.scene, &job)?,
     };
-    let view = if args.quality.srgb { View::Srgb } else { View::Linear };
+    let view = if args.quality.srgb {
+        View::Srgb
+    } else {
+        View::Linear
+    };
     let path = output.unwrap_or_else(|| PathBuf::from(format!("{}.png", imported.scene.name)));
     let writing = Instant::now();
     write(&path, &done, view, verbosity)?;
@@ -99,7 +107,11 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
     if let Some(file) = &args.stats {
         files::write_bytes_atomic(file, format!("{stats:#}\n").as_bytes())?;
     }
-    if args.json { commands::print_json(&stats) } else { Ok(()) }
+    if args.json {
+        commands::print_json(&stats)
+    } else {
+        Ok(())
+    }
 }
 
 fn mode_name(mode: ModeArg) -> &'static str {
@@ -115,7 +127,10 @@ fn write(path: &Path, done: &Done, view: View, verbosity: Verbosity) -> Result<(
         .layers
         .iter()
         .flat_map(|layers| layers.names.iter().zip(&layers.planes))
-        .map(|(name, plane)| NamedLayer { name: name.clone(), plane })
+        .map(|(name, plane)| NamedLayer {
+            name: name.clone(),
+            plane,
+        })
         .collect();
     let notes = files::write_picture(path, &done.color, view, &layers)?;
     if verbosity != Verbosity::Quiet {
@@ -144,7 +159,12 @@ fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
             };
             let start = Instant::now();
             let (frame, counters) = plan.draw(&options)?;
-            (frame, json!(counters), planned, start.elapsed().as_secs_f64())
+            (
+                frame,
+                json!(counters),
+                planned,
+                start.elapsed().as_secs_f64(),
+            )
         }
         ModeArg::Cast | ModeArg::Trace => {
             let plan = trace::Plan::new(scene, &assembly, job.geometry, job.quality.model)?;
@@ -152,19 +172,32 @@ fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
             let options = trace_options(scene, job);
             let start = Instant::now();
             let (frame, counters) = plan.draw(&options)?;
-            (frame, json!(counters), planned, start.elapsed().as_secs_f64())
+            (
+                frame,
+                json!(counters),
+                planned,
+                start.elapsed().as_secs_f64(),
+            )
         }
     };
     if job.clamp {
         frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
     }
-    Ok(done(&frame, assembly.triangles.len(), counters, [assemble_seconds, plan_seconds, render_seconds]))
+    Ok(done(
+        &frame,
+        assembly.triangles.len(),
+        counters,
+        [assemble_seconds, plan_seconds, render_seconds],
+    ))
 }
 
 fn trace_options(scene: &Scene, job: &Job) -> trace::Options {
     let isa = job.quality.isa;
     if job.mode == ModeArg::Cast {
-        return trace::Options { layers: job.layers, ..trace::Options::cast(isa) };
+        return trace::Options {
+            layers: job.layers,
+            ..trace::Options::cast(isa)
+        };
     }
     trace::Options {
         shadows: job.shadows,
@@ -179,5 +212,13 @@ fn done<R: Real>(frame: &Frame<R>, triangles: usize, counters: Value, seconds: [
     let layers = frame.layers.as_ref().map(Layers::to_f32);
     let [assemble_seconds, plan_seconds, render_seconds] = seconds;
     let color = frame.color_f32();
-    Done { color, layers, triangles, counters, assemble_seconds, plan_seconds, render_seconds }
+    Done {
+        color,
+        layers,
+        triangles,
+        counters,
+        assemble_seconds,
+        plan_seconds,
+        render_seconds,
+    }
 }

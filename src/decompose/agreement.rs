@@ -64,9 +64,14 @@ pub(super) fn measure<R: Real>(
     single.image.samples = 1;
     single.image.pattern = crate::sampling::Pattern::Grid;
     let isa = options.isa;
-    let raster_options =
-        raster::Options { shading: ShadeModel::Phong, clamp: false, layers: true, isa };
-    let (per_fragment, _) = raster::Plan::new(&single, assembly, options.model).draw(&raster_options)?;
+    let raster_options = raster::Options {
+        shading: ShadeModel::Phong,
+        clamp: false,
+        layers: true,
+        isa,
+    };
+    let (per_fragment, _) =
+        raster::Plan::new(&single, assembly, options.model).draw(&raster_options)?;
     let plan = trace::Plan::new(&single, assembly, trace::Geometry::Mesh, options.model)?;
     let (cast, _) = plan.draw(&trace::Options::cast(isa))?;
     Ok(compare(&single, assembly, &per_fragment, &cast))
@@ -81,7 +86,11 @@ fn compare<R: Real>(
     let plan = raster::Plan::new(scene, assembly, Model::Required);
     let raster_edge = plan.near_edge(&per_fragment.primitive, EDGE_PX);
     let cast_edge = plan.near_edge(&cast.primitive, EDGE_PX);
-    let probe = Discontinuities { scene, assembly, lights: scene.lights_eye() };
+    let probe = Discontinuities {
+        scene,
+        assembly,
+        lights: scene.lights_eye(),
+    };
     let mut agreement = Agreement::default();
     let mut sum = 0.0;
     let mut judged = 0u64;
@@ -123,7 +132,11 @@ fn tie<R: Real>(a: R, b: R) -> bool {
 fn relative_error<R: Real>(a: &Frame<R>, b: &Frame<R>, pixel: usize) -> f64 {
     let magnitude = a.layers.as_ref().map_or(0.0, |layers| {
         let channel = |c: usize| -> f64 {
-            layers.planes.iter().map(|plane| plane.data[pixel][c].to_f64().abs()).sum()
+            layers
+                .planes
+                .iter()
+                .map(|plane| plane.data[pixel][c].to_f64().abs())
+                .sum()
         };
         channel(0).max(channel(1)).max(channel(2))
     });
@@ -147,13 +160,18 @@ impl<R: Real> Discontinuities<'_, R> {
         }
         let place = [pixel % primitives.width, pixel / primitives.width].map(|x| x as f64 + 0.5);
         let (position, normal) = self.surface(primitive, DVec2::from_array(place));
-        self.lights.iter().any(|light| at_jump(light, position, normal))
+        self.lights
+            .iter()
+            .any(|light| at_jump(light, position, normal))
     }
 
     /// Eye-space point and unit normal of a triangle under a place of the picture, in f64.
     fn surface(&self, primitive: u32, place: DVec2) -> ([f64; 3], [f64; 3]) {
         let image = &self.scene.image;
-        let (origin, direction) = self.scene.camera.primary_ray(place, image.width, image.height);
+        let (origin, direction) = self
+            .scene
+            .camera
+            .primary_ray(place, image.width, image.height);
         let corners = self.assembly.triangles[primitive as usize];
         let [a, b, c] = corners.map(|v| {
             glam::DVec3::from_array(self.assembly.vertex_eye(v).map(Real::to_f64)) - origin
@@ -161,7 +179,11 @@ impl<R: Real> Discontinuities<'_, R> {
         // Cross the ray first: weights relative to a vertex, accurate from afar.
         let weights = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.cross(p).dot(q - p));
         let sum = weights[0] + weights[1] + weights[2];
-        let weights = if sum == 0.0 { [1.0, 0.0, 0.0] } else { weights.map(|w| w / sum) };
+        let weights = if sum == 0.0 {
+            [1.0, 0.0, 0.0]
+        } else {
+            weights.map(|w| w / sum)
+        };
         let position = origin + weights[0] * a + weights[1] * b + weights[2] * c;
         let mut normal = [0.0; 3];
         for (v, w) in corners.into_iter().zip(weights) {
@@ -178,7 +200,11 @@ fn at_jump(light: &LightSource, position: [f64; 3], normal: [f64; 3]) -> bool {
     let raw = if w == 0.0 {
         [x, y, z]
     } else {
-        [x / w - position[0], y / w - position[1], z / w - position[2]]
+        [
+            x / w - position[0],
+            y / w - position[1],
+            z / w - position[2],
+        ]
     };
     let to_light = normalize(raw).0;
     if dot(normal, to_light).abs() < GATE {

@@ -131,8 +131,16 @@ impl Ladder {
 }
 
 fn difference(to: &Plane<[f64; 3]>, from: &Plane<[f64; 3]>) -> Plane<[f64; 3]> {
-    let data = to.data.iter().zip(&from.data).map(|(b, a)| [0, 1, 2].map(|c| b[c] - a[c]));
-    Plane { width: to.width, height: to.height, data: data.collect() }
+    let data = to
+        .data
+        .iter()
+        .zip(&from.data)
+        .map(|(b, a)| [0, 1, 2].map(|c| b[c] - a[c]));
+    Plane {
+        width: to.width,
+        height: to.height,
+        data: data.collect(),
+    }
 }
 
 /// Climbs the ladder of a scene in the precision `R`; `progress` hears the name of each step before it starts.
@@ -146,7 +154,13 @@ pub fn decompose<R: Real>(
 ) -> Result<Ladder, Error> {
     progress("triangles");
     let assembly = Assembly::<R>::new(scene, options.level)?;
-    let mut climb = Climb { scene, options, progress, rungs: Vec::new(), work: Vec::new() };
+    let mut climb = Climb {
+        scene,
+        options,
+        progress,
+        rungs: Vec::new(),
+        work: Vec::new(),
+    };
     let (raster_layers, raster_color, per_fragment) = climb.raster(&assembly)?;
     let cast = climb.cast_on_triangles(&assembly)?;
     let (local_layers, trace_layers, trace_color) = climb.trace(&assembly)?;
@@ -199,15 +213,25 @@ impl Climb<'_> {
         self.rungs.push(values(&clamped.color));
         let unclamped = self.draw_raster(&plan, "2", &options(shading, false, true))?;
         self.rungs.push(values(&unclamped.color));
-        let per_fragment = self.draw_raster(&plan, "3", &options(ShadeModel::Phong, false, true))?;
+        let per_fragment =
+            self.draw_raster(&plan, "3", &options(ShadeModel::Phong, false, true))?;
         self.rungs.push(values(&per_fragment.color));
-        let layers = unclamped.layers.as_ref().map(Layers::to_f32).unwrap_or_default();
+        let layers = unclamped
+            .layers
+            .as_ref()
+            .map(Layers::to_f32)
+            .unwrap_or_default();
         Ok((layers, unclamped.color_f32(), per_fragment))
     }
 
     /// Rung 4.
     fn cast_on_triangles<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Frame<R>, Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Mesh, self.options.model)?;
+        let plan = trace::Plan::new(
+            self.scene,
+            assembly,
+            trace::Geometry::Mesh,
+            self.options.model,
+        )?;
         let cast = trace::Options::cast(self.options.isa);
         let frame = self.draw_trace(&plan, "4", &cast)?;
         self.rungs.push(values(&frame.color));
@@ -219,9 +243,17 @@ impl Climb<'_> {
         &mut self,
         assembly: &Assembly<R>,
     ) -> Result<(Layers<f32>, Layers<f32>, Plane<[f32; 3]>), Error> {
-        let plan = trace::Plan::new(self.scene, assembly, trace::Geometry::Exact, self.options.model)?;
+        let plan = trace::Plan::new(
+            self.scene,
+            assembly,
+            trace::Geometry::Exact,
+            self.options.model,
+        )?;
         let asked = self.options;
-        let cast = trace::Options { layers: true, ..trace::Options::cast(asked.isa) };
+        let cast = trace::Options {
+            layers: true,
+            ..trace::Options::cast(asked.isa)
+        };
         let local = self.draw_trace(&plan, "5", &cast)?;
         self.rungs.push(values(&local.color));
         let full = trace::Options::of(self.scene, asked.isa);
@@ -239,7 +271,13 @@ impl Climb<'_> {
         let complete = self.draw_trace(&plan, "8, 9", &step(true, true, true))?;
         self.rungs.push(values(&complete.color));
         self.rungs.push(stored(&complete.color));
-        let layers = |frame: &Frame<R>| frame.layers.as_ref().map(Layers::to_f32).unwrap_or_default();
+        let layers = |frame: &Frame<R>| {
+            frame
+                .layers
+                .as_ref()
+                .map(Layers::to_f32)
+                .unwrap_or_default()
+        };
         Ok((layers(&local), layers(&complete), complete.color_f32()))
     }
 
@@ -253,7 +291,12 @@ impl Climb<'_> {
         let start = Instant::now();
         let (frame, counters) = plan.draw(options)?;
         let seconds = start.elapsed().as_secs_f64();
-        self.work.push(Work { rungs, raster: Some(counters), trace: None, seconds });
+        self.work.push(Work {
+            rungs,
+            raster: Some(counters),
+            trace: None,
+            seconds,
+        });
         Ok(frame)
     }
 
@@ -267,7 +310,12 @@ impl Climb<'_> {
         let start = Instant::now();
         let (frame, counters) = plan.draw(options)?;
         let seconds = start.elapsed().as_secs_f64();
-        self.work.push(Work { rungs, raster: None, trace: Some(counters), seconds });
+        self.work.push(Work {
+            rungs,
+            raster: None,
+            trace: Some(counters),
+            seconds,
+        });
         Ok(frame)
     }
 }
@@ -311,7 +359,11 @@ fn residual(ladder: &Ladder) -> f64 {
         }
     }
     let total = ladder.total();
-    let gap = total.data.iter().zip(&sum.data).flat_map(|(t, s)| [0, 1, 2].map(|c| t[c] - s[c]));
+    let gap = total
+        .data
+        .iter()
+        .zip(&sum.data)
+        .flat_map(|(t, s)| [0, 1, 2].map(|c| t[c] - s[c]));
     gap.map(f64::abs).fold(0.0, f64::max)
 }
 

@@ -33,8 +33,8 @@ pub(crate) struct Key {
 #[derive(Clone, Debug)]
 pub(crate) enum Value {
     Text(String),
-    /// A whole number as written (it may exceed 64 bits), and its base.
-    Integer(String, u32),
+    /// A whole number; one beyond 128 bits is a float.
+    Integer(i128),
     Float(f64),
     Bool(bool),
     Date,
@@ -48,8 +48,7 @@ impl Value {
         match self {
             Self::Text(text) if text.chars().count() <= 40 => format!("the string {text:?}"),
             Self::Text(_) => "a string".into(),
-            Self::Integer(digits, 10) => digits.clone(),
-            Self::Integer(..) => "a whole number".into(),
+            Self::Integer(x) => x.to_string(),
             Self::Float(x) => format!("{x:?}"),
             Self::Bool(x) => x.to_string(),
             Self::Date => "a date".into(),
@@ -165,10 +164,7 @@ fn unknown_name(
 ) -> Error {
     let known: Vec<&str> = entries.iter().map(|(k, _)| k.name.as_str()).collect();
     let error = refuse(format!("there is no {section} called `{name}`"));
-    match names::advice(name, &known) {
-        Some(advice) => error.with_help(advice),
-        None => error,
-    }
+    names::with_advice(error, name, &known)
 }
 
 fn path_name(path: &[Key]) -> String {
@@ -226,7 +222,10 @@ fn value_node(value: Spanned<DeValue<'_>>, base: usize) -> Node {
     let span = shift(value.span(), base);
     let value = match value.into_inner() {
         DeValue::String(text) => Value::Text(text.into_owned()),
-        DeValue::Integer(x) => Value::Integer(x.as_str().to_owned(), x.radix()),
+        DeValue::Integer(x) => match i128::from_str_radix(x.as_str(), x.radix()) {
+            Ok(whole) => Value::Integer(whole),
+            Err(_) => Value::Float(x.as_str().parse().unwrap_or(f64::INFINITY)),
+        },
         // A literal beyond f64 becomes infinite here and is refused as such.
         DeValue::Float(x) => Value::Float(x.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(x) => Value::Bool(x),

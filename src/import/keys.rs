@@ -13,6 +13,8 @@ pub const MAX_SIDE: u32 = 16384;
 pub const MAX_PIXELS: u64 = 1 << 27;
 /// Largest number of triangles that the levels stated in one file may ask for.
 pub const MAX_TESSELLATED: u64 = 1 << 24;
+/// Largest number of triangles that the meshes of a scene have together, each object's counted.
+pub const MAX_MESH_TRIANGLES: u64 = 1 << 27;
 /// Largest number of tiles along one side of a patch.
 pub const MAX_TILES: u32 = 4096;
 /// Deepest recursion that a file may ask for.
@@ -156,368 +158,107 @@ pub(crate) const CONVENTION: KeyInfo = key(
 );
 
 /// `[image]`.
+#[rustfmt::skip] // a table
 pub(crate) const IMAGE: &[KeyInfo] = &[
-    key(
-        "width",
-        Kind::Integer(1, MAX_SIDE),
-        "640",
-        "Width in pixels",
-    ),
-    key(
-        "height",
-        Kind::Integer(1, MAX_SIDE),
-        "480",
-        "Height in pixels",
-    ),
-    key(
-        "background",
-        Kind::Color,
-        "0",
-        "Colour where nothing is hit; unlit",
-    ),
-    key(
-        "samples",
-        Kind::Integer(1, MAX_SAMPLES),
-        "1",
-        "Samples a pixel",
-    ),
-    key(
-        "pattern",
-        Kind::Choice(|| names(Pattern::NAMES)),
-        "\"grid\"",
-        "How the samples of a pixel are spread",
-    ),
+    key("width", Kind::Integer(1, MAX_SIDE), "640", "Width in pixels"),
+    key("height", Kind::Integer(1, MAX_SIDE), "480", "Height in pixels"),
+    key("background", Kind::Color, "0", "Colour where nothing is hit; unlit"),
+    key("samples", Kind::Integer(1, MAX_SAMPLES), "1", "Samples a pixel"),
+    key("pattern", Kind::Choice(|| names(Pattern::NAMES)), "\"grid\"", "How the samples of a pixel are spread"),
 ];
 
 /// `[camera]`.
+#[rustfmt::skip] // a table
 pub(crate) const CAMERA: &[KeyInfo] = &[
-    key(
-        "eye",
-        Kind::Vector,
-        "",
-        "Eye point, world space; fitted to the scene where omitted",
-    ),
-    key(
-        "target",
-        Kind::Vector,
-        "",
-        "The point looked at; the middle of the scene where omitted",
-    ),
-    key(
-        "up",
-        Kind::Vector,
-        "[0, 1, 0]",
-        "Upward direction, not parallel to the view",
-    ),
-    key(
-        "fovy",
-        Kind::Number(Range::Between(0.0, 180.0)),
-        "45",
-        "Full vertical angle of view in degrees",
-    ),
-    key(
-        "near",
-        Kind::Number(Range::Above(0.0)),
-        "",
-        "Near distance; fitted to the scene where omitted",
-    ),
-    key(
-        "far",
-        Kind::Number(Range::Above(0.0)),
-        "",
-        "Far distance; infinite where omitted",
-    ),
-    key(
-        "orthographic",
-        Kind::Number(Range::Above(0.0)),
-        "",
-        "Parallel view of this height in scene units, instead of fovy",
-    ),
+    key("eye", Kind::Vector, "", "Eye point, world space; fitted to the scene where omitted"),
+    key("target", Kind::Vector, "", "The point looked at; the middle of the scene where omitted"),
+    key("up", Kind::Vector, "[0, 1, 0]", "Upward direction, not parallel to the view"),
+    key("fovy", Kind::Number(Range::Between(0.0, 180.0)), "45", "Full vertical angle of view in degrees"),
+    key("near", Kind::Number(Range::Above(0.0)), "", "Near distance; fitted to the scene where omitted"),
+    key("far", Kind::Number(Range::Above(0.0)), "", "Far distance; infinite where omitted"),
+    key("orthographic", Kind::Number(Range::Above(0.0)), "", "Parallel view of this height in scene units, instead of fovy"),
 ];
 
 /// `[light_model]`.
+#[rustfmt::skip] // a table
 pub(crate) const LIGHT_MODEL: &[KeyInfo] = &[
-    key(
-        "ambient",
-        Kind::Color,
-        "0.2",
-        "Ambient light of the whole scene",
-    ),
-    key(
-        "local_viewer",
-        Kind::Bool,
-        "true",
-        "The viewer is at the eye, not infinitely far along +z",
-    ),
-    key(
-        "two_sided",
-        Kind::Bool,
-        "false",
-        "Back faces are lit with the flipped normal and the back material",
-    ),
-    key(
-        "color_control",
-        Kind::Choice(|| names(gl::ColorControl::NAMES)),
-        "\"single\"",
-        "Whether specular is clamped as a colour of its own",
-    ),
-    key(
-        "specular_model",
-        Kind::Choice(|| names(gl::SpecularModel::NAMES)),
-        "\"half-vector\"",
-        "(n.h)^s as OpenGL, or (V.R)^n as the lecture",
-    ),
-    key(
-        "normalize",
-        Kind::Bool,
-        "true",
-        "Normals are made unit length after the transform",
-    ),
-    key(
-        "rescale_normal",
-        Kind::Bool,
-        "false",
-        "Normals are scaled by the transform's uniform scale",
-    ),
-    key(
-        "color_material",
-        Kind::Unsupported("there are no vertex colours yet for it to read"),
-        "",
-        "Not in this version",
-    ),
+    key("ambient", Kind::Color, "0.2", "Ambient light of the whole scene"),
+    key("local_viewer", Kind::Bool, "true", "The viewer is at the eye, not infinitely far along +z"),
+    key("two_sided", Kind::Bool, "false", "Back faces are lit with the flipped normal and the back material"),
+    key("color_control", Kind::Choice(|| names(gl::ColorControl::NAMES)), "\"single\"", "Whether specular is clamped as a colour of its own"),
+    key("specular_model", Kind::Choice(|| names(gl::SpecularModel::NAMES)), "\"half-vector\"", "(n.h)^s as OpenGL, or (V.R)^n as the lecture"),
+    key("normalize", Kind::Bool, "true", "Normals are made unit length after the transform"),
+    key("rescale_normal", Kind::Bool, "false", "Normals are scaled by the transform's uniform scale"),
+    key("color_material", Kind::Unsupported("there are no vertex colours yet for it to read"), "", "Not in this version"),
 ];
 
 /// `[raster]`.
+#[rustfmt::skip] // a table
 pub(crate) const RASTER: &[KeyInfo] = &[
-    key(
-        "shading",
-        Kind::Choice(|| names(gl::ShadeModel::NAMES)),
-        "\"gouraud\"",
-        "How a triangle gets its colour",
-    ),
-    key(
-        "cull",
-        Kind::Choice(|| names(Cull::NAMES)),
-        "\"none\"",
-        "Which triangles are dropped by facing",
-    ),
-    key(
-        "front_face",
-        Kind::Choice(|| names(FrontFace::NAMES)),
-        "\"ccw\"",
-        "Which winding is the front",
-    ),
-    key(
-        "depth_range",
-        Kind::DepthRange,
-        "[0, 1]",
-        "Depth of the near and the far plane",
-    ),
-    key(
-        "snap",
-        Kind::Snap,
-        "8",
-        "Sub-pixel bits that vertices are rounded to: 8 or 12",
-    ),
-    key(
-        "transparency",
-        Kind::Choice(|| vec!["opaque", "blend"]),
-        "\"opaque\"",
-        "How the rasterizer draws transmissive surfaces",
-    ),
+    key("shading", Kind::Choice(|| names(gl::ShadeModel::NAMES)), "\"gouraud\"", "How a triangle gets its colour"),
+    key("cull", Kind::Choice(|| names(Cull::NAMES)), "\"none\"", "Which triangles are dropped by facing"),
+    key("front_face", Kind::Choice(|| names(FrontFace::NAMES)), "\"ccw\"", "Which winding is the front"),
+    key("depth_range", Kind::DepthRange, "[0, 1]", "Depth of the near and the far plane"),
+    key("snap", Kind::Snap, "8", "Sub-pixel bits that vertices are rounded to: 8 or 12"),
+    key("transparency", Kind::Choice(|| vec!["opaque", "blend"]), "\"opaque\"", "How the rasterizer draws transmissive surfaces"),
 ];
 
 /// `[trace]`.
+#[rustfmt::skip] // a table
 pub(crate) const TRACE: &[KeyInfo] = &[
-    key(
-        "depth",
-        Kind::Integer(0, MAX_DEPTH),
-        "6",
-        "Generations of secondary rays",
-    ),
-    key(
-        "shadow",
-        Kind::Choice(|| names(Shadow::NAMES)),
-        "\"opaque\"",
-        "What blocks a shadow ray",
-    ),
-    key(
-        "tir",
-        Kind::Choice(|| names(Tir::NAMES)),
-        "\"none\"",
-        "What total internal reflection leaves",
-    ),
-    key(
-        "weight_cutoff",
-        Kind::Number(Range::AtLeast(0.0)),
-        "0",
-        "A branch whose weight is below this in every channel is dropped",
-    ),
+    key("depth", Kind::Integer(0, MAX_DEPTH), "6", "Generations of secondary rays"),
+    key("shadow", Kind::Choice(|| names(Shadow::NAMES)), "\"opaque\"", "What blocks a shadow ray"),
+    key("tir", Kind::Choice(|| names(Tir::NAMES)), "\"none\"", "What total internal reflection leaves"),
+    key("weight_cutoff", Kind::Number(Range::AtLeast(0.0)), "0", "A branch whose weight is below this in every channel is dropped"),
 ];
 
 /// `[light.NAME]`.
+#[rustfmt::skip] // a table
 pub(crate) const LIGHT: &[KeyInfo] = &[
-    key(
-        "position",
-        Kind::Position,
-        "",
-        "[x, y, z], or [x, y, z, w] as glLight takes it",
-    ),
-    key(
-        "direction",
-        Kind::Vector,
-        "",
-        "The way a directional light travels, instead of a position",
-    ),
-    key(
-        "space",
-        Kind::Choice(|| names(LightSpace::NAMES)),
-        "\"world\"",
-        "The space of position, direction and spot_direction",
-    ),
-    key(
-        "enabled",
-        Kind::Bool,
-        "true",
-        "A disabled light takes part in nothing",
-    ),
-    key(
-        "ambient",
-        Kind::Color,
-        "0",
-        "Ambient colour; attenuated, never shadowed",
-    ),
+    key("position", Kind::Position, "", "[x, y, z], or [x, y, z, w] as glLight takes it"),
+    key("direction", Kind::Vector, "", "The way a directional light travels, instead of a position"),
+    key("space", Kind::Choice(|| names(LightSpace::NAMES)), "\"world\"", "The space of position, direction and spot_direction"),
+    key("enabled", Kind::Bool, "true", "A disabled light takes part in nothing"),
+    key("ambient", Kind::Color, "0", "Ambient colour; attenuated, never shadowed"),
     key("diffuse", Kind::Color, "1", "Diffuse colour"),
-    key(
-        "specular",
-        Kind::Color,
-        "",
-        "Specular colour; the diffuse colour where omitted",
-    ),
-    key(
-        "attenuation",
-        Kind::Vector,
-        "[1, 0, 0]",
-        "Constant, linear and quadratic attenuation",
-    ),
-    key(
-        "spot_direction",
-        Kind::Vector,
-        "[0, 0, -1]",
-        "Axis of the spot cone",
-    ),
-    key(
-        "spot_exponent",
-        Kind::Number(Range::AtLeast(0.0)),
-        "0",
-        "Falloff inside the spot cone",
-    ),
-    key(
-        "spot_cutoff",
-        Kind::Number(Range::Within(0.0, 180.0)),
-        "180",
-        "Half angle of the spot cone in degrees; 180 = no cone",
-    ),
+    key("specular", Kind::Color, "", "Specular colour; the diffuse colour where omitted"),
+    key("attenuation", Kind::Vector, "[1, 0, 0]", "Constant, linear and quadratic attenuation"),
+    key("spot_direction", Kind::Vector, "[0, 0, -1]", "Axis of the spot cone"),
+    key("spot_exponent", Kind::Number(Range::AtLeast(0.0)), "0", "Falloff inside the spot cone"),
+    key("spot_cutoff", Kind::Number(Range::Within(0.0, 180.0)), "180", "Half angle of the spot cone in degrees; 180 = no cone"),
 ];
 
 /// The GL part of a material: front, and the whole of `back`.
+#[rustfmt::skip] // a table
 pub(crate) const SURFACE: &[KeyInfo] = &[
     key("color", Kind::Color, "", "Ambient and diffuse together"),
-    key(
-        "emission",
-        Kind::Color,
-        "0",
-        "Emitted colour; lights nothing else",
-    ),
+    key("emission", Kind::Color, "0", "Emitted colour; lights nothing else"),
     key("ambient", Kind::Color, "0.2", "Ambient reflectance"),
     key("diffuse", Kind::Color, "0.8", "Diffuse reflectance"),
     key("specular", Kind::Color, "0", "Specular reflectance, K_S"),
-    key(
-        "shininess",
-        Kind::Number(Range::AtLeast(0.0)),
-        "0",
-        "Specular exponent",
-    ),
+    key("shininess", Kind::Number(Range::AtLeast(0.0)), "0", "Specular exponent"),
 ];
 
 /// The rest of `[material.NAME]`.
+#[rustfmt::skip] // a table
 pub(crate) const MATERIAL: &[KeyInfo] = &[
-    key(
-        "back",
-        Kind::Back,
-        "",
-        "GL material of back faces under two-sided lighting",
-    ),
-    key(
-        "reflection",
-        Kind::Weight,
-        "0",
-        "Mirror weight, or \"K_S\" to use the specular reflectance",
-    ),
-    key(
-        "transmission",
-        Kind::Color,
-        "0",
-        "K_T, the weight of the transmitted ray, once per interface",
-    ),
-    key(
-        "ior",
-        Kind::Number(Range::Above(0.0)),
-        "1",
-        "Index of refraction of the inside",
-    ),
-    key(
-        "thin",
-        Kind::Bool,
-        "false",
-        "A thin surface: transmitted rays go straight on",
-    ),
-    key(
-        "fresnel",
-        Kind::Choice(|| names(Fresnel::NAMES)),
-        "\"off\"",
-        "Whether Fresnel's equations share the weights",
-    ),
-    key(
-        "texture",
-        Kind::Unsupported("textures are not in this version"),
-        "",
-        "Not in this version",
-    ),
+    key("back", Kind::Back, "", "GL material of back faces under two-sided lighting"),
+    key("reflection", Kind::Weight, "0", "Mirror weight, or \"K_S\" to use the specular reflectance"),
+    key("transmission", Kind::Color, "0", "K_T, the weight of the transmitted ray, once per interface"),
+    key("ior", Kind::Number(Range::Above(0.0)), "1", "Index of refraction of the inside"),
+    key("thin", Kind::Bool, "false", "A thin surface: transmitted rays go straight on"),
+    key("fresnel", Kind::Choice(|| names(Fresnel::NAMES)), "\"off\"", "Whether Fresnel's equations share the weights"),
+    key("texture", Kind::Unsupported("textures are not in this version"), "", "Not in this version"),
 ];
 
 /// Keys of every object.
+#[rustfmt::skip] // a table
 pub(crate) const OBJECT: &[KeyInfo] = &[
-    key(
-        "shape",
-        Kind::Choice(|| SHAPES.iter().map(|s| s.0).collect()),
-        "",
-        "An exact shape",
-    ),
-    key(
-        "mesh",
-        Kind::Text,
-        "",
-        "An OBJ file, its path relative to this file",
-    ),
-    key(
-        "material",
-        Kind::Text,
-        "",
-        "Name of its material; OpenGL's default material where omitted",
-    ),
-    key(
-        "materials",
-        Kind::Names,
-        "",
-        "Names of its materials, taken in turn by tiles or by the mesh's own materials",
-    ),
-    key(
-        "transform",
-        Kind::Transform,
-        "[]",
-        "Steps from object to world space, applied in the order written",
-    ),
+    key("shape", Kind::Choice(|| SHAPES.iter().map(|s| s.0).collect()), "", "An exact shape"),
+    key("mesh", Kind::Text, "", "An OBJ file, its path relative to this file"),
+    key("material", Kind::Text, "", "Name of its material; OpenGL's default material where omitted"),
+    key("materials", Kind::Names, "", "Names of its materials, taken in turn by tiles or by the mesh's own materials"),
+    key("transform", Kind::Transform, "[]", "Steps from object to world space, applied in the order written"),
 ];
 
 /// Tessellation, for the shapes that have one.
@@ -540,35 +281,17 @@ const SMOOTH: KeyInfo = key(
 pub(crate) const MESH: &[KeyInfo] = &[SMOOTH];
 
 /// Keys of an inline mesh.
+#[rustfmt::skip] // a table
 pub(crate) const INLINE: &[KeyInfo] = &[
-    key(
-        "positions",
-        Kind::Numbers,
-        "",
-        "Vertex positions: [x, y, z, ...] or [[x, y, z], ...]",
-    ),
-    key(
-        "normals",
-        Kind::Numbers,
-        "",
-        "Vertex normals, one a position",
-    ),
-    key(
-        "texcoords",
-        Kind::Numbers,
-        "",
-        "Texture coordinates [u, v], one a position",
-    ),
-    key(
-        "indices",
-        Kind::Indices,
-        "",
-        "Vertex numbers from 0: triangles [a, b, c, ...], or faces [[a, b, c], ...]; every three positions where omitted",
-    ),
+    key("positions", Kind::Numbers, "", "Vertex positions: [x, y, z, ...] or [[x, y, z], ...]"),
+    key("normals", Kind::Numbers, "", "Vertex normals, one a position"),
+    key("texcoords", Kind::Numbers, "", "Texture coordinates [u, v], one a position"),
+    key("indices", Kind::Indices, "", "Vertex numbers from 0: triangles [a, b, c, ...], or faces [[a, b, c], ...]; every three positions where omitted"),
     SMOOTH,
 ];
 
 /// A shape's name and its own keys.
+#[rustfmt::skip] // a table
 pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
     (
         "sphere",
@@ -581,49 +304,19 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
     (
         "plane",
         &[
-            key(
-                "center",
-                Kind::Vector,
-                "[0, 0, 0]",
-                "Centre of the finite patch",
-            ),
+            key("center", Kind::Vector, "[0, 0, 0]", "Centre of the finite patch"),
             key("normal", Kind::Vector, "[0, 1, 0]", "Its front side"),
-            key(
-                "size",
-                Kind::Size,
-                "10",
-                "Side lengths: a number or [width, depth]",
-            ),
+            key("size", Kind::Size, "10", "Side lengths: a number or [width, depth]"),
             TESSELLATION,
         ],
     ),
     (
         "quad",
         &[
-            key(
-                "points",
-                Kind::Corners,
-                "",
-                "Four corners in turn, planar or not; counter-clockwise seen from the front",
-            ),
-            key(
-                "corner",
-                Kind::Vector,
-                "",
-                "A corner, with edge_u and edge_v instead of points",
-            ),
-            key(
-                "edge_u",
-                Kind::Vector,
-                "",
-                "The side from the corner that u runs along",
-            ),
-            key(
-                "edge_v",
-                Kind::Vector,
-                "",
-                "The side from the corner that v runs along; front = edge_u x edge_v",
-            ),
+            key("points", Kind::Corners, "", "Four corners in turn, planar or not; counter-clockwise seen from the front"),
+            key("corner", Kind::Vector, "", "A corner, with edge_u and edge_v instead of points"),
+            key("edge_u", Kind::Vector, "", "The side from the corner that u runs along"),
+            key("edge_v", Kind::Vector, "", "The side from the corner that v runs along; front = edge_u x edge_v"),
             TESSELLATION,
         ],
     ),
@@ -632,42 +325,17 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
         &[
             key("min", Kind::Vector, "", "Lowest corner, with max"),
             key("max", Kind::Vector, "", "Highest corner"),
-            key(
-                "center",
-                Kind::Vector,
-                "[0, 0, 0]",
-                "Centre, instead of min and max",
-            ),
-            key(
-                "size",
-                Kind::BoxSize,
-                "1",
-                "Side lengths about the centre: a number or [x, y, z]",
-            ),
+            key("center", Kind::Vector, "[0, 0, 0]", "Centre, instead of min and max"),
+            key("size", Kind::BoxSize, "1", "Side lengths about the centre: a number or [x, y, z]"),
             TESSELLATION,
         ],
     ),
     (
         "checkered floor",
         &[
-            key(
-                "center",
-                Kind::Vector,
-                "[0, 0, 0]",
-                "Centre; the floor faces +y",
-            ),
-            key(
-                "size",
-                Kind::Size,
-                "10",
-                "Side lengths: a number or [width, depth]",
-            ),
-            key(
-                "tiles",
-                Kind::Tiles,
-                "10",
-                "Tiles a side: a number or [along x, along z]",
-            ),
+            key("center", Kind::Vector, "[0, 0, 0]", "Centre; the floor faces +y"),
+            key("size", Kind::Size, "10", "Side lengths: a number or [width, depth]"),
+            key("tiles", Kind::Tiles, "10", "Tiles a side: a number or [along x, along z]"),
             TESSELLATION,
         ],
     ),
@@ -677,37 +345,19 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
 pub(crate) const FUTURE_SHAPES: &[&str] = &["disk", "cylinder", "cone", "torus"];
 
 /// The steps of a transform.
+#[rustfmt::skip] // a table
 pub(crate) const STEPS: &[KeyInfo] = &[
     key("translate", Kind::Vector, "", "Moves by [x, y, z]"),
-    key(
-        "rotate",
-        Kind::Rotation,
-        "",
-        "{ axis = [x, y, z], degrees = number }, counter-clockwise about the axis",
-    ),
-    key(
-        "scale",
-        Kind::Scale,
-        "",
-        "A number, or [x, y, z]; negative mirrors",
-    ),
-    key(
-        "matrix",
-        Kind::Numbers,
-        "",
-        "16 numbers, row by row; column vectors, so the translation stands last in each row",
-    ),
+    key("rotate", Kind::Rotation, "", "{ axis = [x, y, z], degrees = number }, counter-clockwise about the axis"),
+    key("scale", Kind::Scale, "", "A number, or [x, y, z]; negative mirrors"),
+    key("matrix", Kind::Numbers, "", "16 numbers, row by row; column vectors, so the translation stands last in each row"),
 ];
 
 /// The parts of a rotation.
+#[rustfmt::skip] // a table
 pub(crate) const ROTATE: &[KeyInfo] = &[
     key("axis", Kind::Vector, "", "Axis through the origin"),
-    key(
-        "degrees",
-        Kind::Number(Range::Any),
-        "",
-        "Angle, counter-clockwise seen against the axis",
-    ),
+    key("degrees", Kind::Number(Range::Any), "", "Angle, counter-clockwise seen against the axis"),
 ];
 
 #[cfg(test)]

@@ -75,7 +75,13 @@ pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
         return load_path(path, name, options);
     }
     let text = shipped_text(name)?.to_owned();
-    load_toml(&format!("{name}.toml"), text, &Home::Embedded, name, options)
+    load_toml(
+        &format!("{name}.toml"),
+        text,
+        &Home::Embedded,
+        name,
+        options,
+    )
 }
 
 /// The text of a shipped scene.

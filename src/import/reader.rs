@@ -138,11 +138,8 @@ impl<'a> Section<'a> {
         } else {
             format!("a whole number from {low} to {high}")
         };
-        let Value::Integer(digits, base) = &node.value else {
-            return Err(self.mismatch(name, node, &expected));
-        };
-        match u32::from_str_radix(digits.trim_start_matches('+'), *base) {
-            Ok(x) if (low..=high).contains(&x) => Ok(x),
+        match &node.value {
+            Value::Integer(x) if (i128::from(low)..=i128::from(high)).contains(x) => Ok(*x as u32),
             _ => Err(self.mismatch(name, node, &expected)),
         }
     }
@@ -189,10 +186,7 @@ impl<'a> Section<'a> {
             Some((_, value)) => Ok(Some(*value)),
             None => {
                 let error = self.mismatch(name, node, &expected);
-                Err(match names::closest(text, &known) {
-                    Some(near) => error.with_help(format!("did you mean `{near}`?")),
-                    None => error,
-                })
+                Err(names::with_closest(error, text, &known))
             }
         }
     }
@@ -205,7 +199,7 @@ impl<'a> Section<'a> {
         let expected = "a colour: a number (grey) or [red, green, blue]";
         match &node.value {
             Value::List(_) => self.array(name, node, expected).map(Some),
-            Value::Integer(..) | Value::Float(_) => {
+            Value::Integer(_) | Value::Float(_) => {
                 let grey = self.number_of(name, node, Range::Any)?;
                 Ok(Some([grey; 3]))
             }
@@ -311,10 +305,7 @@ pub(crate) fn mismatch(document: &Document, name: &str, node: &Node, expected: &
 fn number(document: &Document, name: &str, node: &Node, range: Range) -> Result<f64, Error> {
     let x = match &node.value {
         Value::Float(x) => *x,
-        Value::Integer(digits, 10) => digits.parse().unwrap_or(f64::INFINITY),
-        Value::Integer(digits, base) => {
-            u64::from_str_radix(digits, *base).map_or(f64::INFINITY, |x| x as f64)
-        }
+        Value::Integer(x) => *x as f64,
         _ => return Err(mismatch(document, name, node, &range.words())),
     };
     if !x.is_finite() {
@@ -333,10 +324,7 @@ fn number(document: &Document, name: &str, node: &Node, range: Range) -> Result<
 fn unknown_key(document: &Document, path: &str, key: &Key, keys: &[&KeyInfo]) -> Error {
     let known: Vec<&str> = keys.iter().map(|k| k.name).collect();
     let error = document.error(&key.span, format!("{path} has no key `{}`", key.name));
-    match names::advice(&key.name, &known) {
-        Some(advice) => error.with_help(advice),
-        None => error,
-    }
+    names::with_advice(error, &key.name, &known)
 }
 
 /// [`Error::Unsupported`] at a value.

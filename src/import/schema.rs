@@ -152,6 +152,15 @@ fn kind(kind: Kind) -> Value {
             let tiles = whole(1, keys::MAX_TILES);
             any_of(&[tiles.clone(), list(&tiles, 2, 2)])
         }
+        Kind::Unsupported(_) => json!(false),
+        _ => structure(kind),
+    }
+}
+
+/// The kinds that are lists of lists, or tables.
+fn structure(kind: Kind) -> Value {
+    let any = number(Range::Any);
+    match kind {
         Kind::Numbers => {
             let nested = json!({ "type": "array", "items": numbers(2, 3) });
             any_of(&[json!({ "type": "array", "items": any }), nested])
@@ -178,6 +187,6 @@ fn kind(kind: Kind) -> Value {
             rotation
         }
         Kind::Back => section(&[keys::SURFACE], "The material of back faces"),
-        Kind::Unsupported(_) => json!(false),
+        _ => json!({}),
     }
 }

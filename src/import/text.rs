@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use super::shipped;
 use crate::error::{Error, Place};
 
-/// Largest scene file (TOML) or material library.
-pub const MAX_TEXT: u64 = 16 << 20;
+/// Largest scene file (TOML): a list of numbers takes some 75 bytes of memory for each of its characters.
+pub const MAX_TEXT: u64 = 8 << 20;
+/// Largest material library.
+pub const MAX_LIBRARY: u64 = 4 << 20;
 /// Largest mesh file.
 pub const MAX_MESH: u64 = 1 << 30;
 
@@ -33,6 +35,14 @@ impl Home {
         match self {
             Self::Folder(folder) => folder.join(file).is_file(),
             Self::Embedded => shipped::file(file).is_some(),
+        }
+    }
+
+    /// Whether there is anything of that name, be it a folder.
+    pub(crate) fn exists(&self, file: &str) -> bool {
+        match self {
+            Self::Folder(folder) => folder.join(file).exists(),
+            Self::Embedded => self.has(file),
         }
     }
 

@@ -51,19 +51,19 @@ pub const CAUSES: [Explanation; 9] = [
     },
     Explanation {
         name: "shadow",
-        step: "lights that are blocked stop shining: S_L",
+        step: "lights that are blocked stop shining",
         text: "Local lighting cannot know that another object stands between a point and a light. The tracer sends a \
                shadow ray to each light and drops its diffuse and specular terms where the ray is blocked.",
     },
     Explanation {
         name: "reflection",
-        step: "mirrors show their surroundings: K_S I_R",
+        step: "mirrors show their surroundings",
         text: "A mirror's colour comes from elsewhere in the scene. The tracer follows the mirrored ray and adds what \
                it finds; the rasterizer shows the surface's own colour alone.",
     },
     Explanation {
         name: "refraction",
-        step: "transparent bodies show what lies behind, bent: K_T I_T",
+        step: "transparent bodies show what lies behind them",
         text: "The rasterizer draws a transparent surface as an opaque one. The tracer bends the ray by the ratio of \
                the indices of refraction, follows it, and adds what it finds.",
     },
@@ -97,22 +97,19 @@ pub fn explanation(name: &str) -> Option<&'static Explanation> {
 /// assert_eq!(result(&cause, 640 * 480), "shadow: 12,345 pixels (4.0 %) differ, at most by 0.61, rmse 0.0831.");
 /// ```
 pub fn result(cause: &Cause, pixels: usize) -> String {
+    format!("{}: {}", cause.name, figures(cause, pixels))
+}
+
+/// The same sentence without the cause's name, for places whose heading says it.
+pub fn figures(cause: &Cause, pixels: usize) -> String {
+    let share = percent(cause.pixels, pixels);
+    let (max, rmse) = (value(cause.max), value(cause.rmse));
     match cause.pixels {
-        0 => format!("{}: no difference.", cause.name),
-        1 => format!(
-            "{}: 1 pixel ({}) differs, at most by {}, rmse {}.",
-            cause.name,
-            percent(1, pixels),
-            value(cause.max),
-            value(cause.rmse)
-        ),
+        0 => "no difference.".to_owned(),
+        1 => format!("1 pixel ({share}) differs, at most by {max}, rmse {rmse}."),
         n => format!(
-            "{}: {} pixels ({}) differ, at most by {}, rmse {}.",
-            cause.name,
-            count(n),
-            percent(n, pixels),
-            value(cause.max),
-            value(cause.rmse)
+            "{} pixels ({share}) differ, at most by {max}, rmse {rmse}.",
+            count(n)
         ),
     }
 }

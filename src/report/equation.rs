@@ -62,6 +62,11 @@ impl Term {
         }
     }
 
+    /// The term of a name, which is also the name of its cause.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|t| t.name() == name)
+    }
+
     /// Only a renderer that knows the whole scene can compute it.
     pub fn is_global(self) -> bool {
         self >= Self::Shadow
@@ -213,6 +218,33 @@ impl List {
     }
 }
 
+/// The pieces in runs of one key. A space takes the key of its neighbours where they agree, and none otherwise, so that
+/// runs begin and end at ink; the signs between the summands have none unless `signs` are asked for.
+pub fn runs<K: PartialEq + Copy>(
+    pieces: &[Piece],
+    signs: bool,
+    key: impl Fn(Term) -> Option<K>,
+) -> Vec<(Option<K>, &[Piece])> {
+    let own = |i: usize| -> Option<K> {
+        let sign = i > 0 && pieces[i - 1].breaks;
+        pieces[i].term.filter(|_| signs || !sign).and_then(&key)
+    };
+    let blank = |i: usize| pieces.get(i).is_none_or(|p| p.text.trim().is_empty());
+    let of = |i: usize| match blank(i) {
+        false => own(i),
+        true if i == 0 || i + 1 >= pieces.len() || blank(i - 1) || blank(i + 1) => None,
+        true => own(i - 1).filter(|k| own(i + 1) == Some(*k)),
+    };
+    let keys: Vec<Option<K>> = (0..pieces.len()).map(of).collect();
+    let mut start = 0;
+    let run = |same: &[Option<K>]| {
+        let range = start..start + same.len();
+        start = range.end;
+        (same[0], &pieces[range])
+    };
+    keys.chunk_by(|a, b| a == b).map(run).collect()
+}
+
 /// The equation in plain characters, subscripts after an underscore: for alternative texts.
 pub fn plain(pieces: &[Piece]) -> String {
     let write = |p: &Piece| match p.script {
@@ -243,6 +275,46 @@ mod tests {
             mirror_is_specular: false,
         };
         assert!(plain(&pieces(gl, Term::Refraction)).contains("K_S (N·H)^n) S_L I_L + K_R I_R"));
+    }
+
+    #[test]
+    fn runs_begin_and_end_at_ink() {
+        let whole = pieces(LECTURE, Term::Refraction);
+        let text = |run: &[Piece]| run.iter().map(|p| p.text).collect::<String>();
+        let global: Vec<String> = runs(&whole, false, |t| Some(t.is_global()))
+            .iter()
+            .map(|(key, run)| {
+                format!(
+                    "{}{}",
+                    key.map_or(' ', |g| if g { 'g' } else { 'l' }),
+                    text(run)
+                )
+            })
+            .collect();
+        assert_eq!(
+            global,
+            [
+                " I = ",
+                "lIE",
+                "  + ",
+                "lKA IAL",
+                "  + ",
+                "lΣL (KD (N·L) + KS (V·R)n)",
+                "  ",
+                "gSL",
+                "  ",
+                "lIL",
+                "  + ",
+                "gKS IR",
+                "  + ",
+                "gKT IT"
+            ]
+        );
+        let last = runs(&whole, true, |t| (t == Term::Refraction).then_some(()));
+        assert_eq!(
+            last.last().map(|(_, run)| text(run)).as_deref(),
+            Some("+ KT IT")
+        );
     }
 
     #[test]

@@ -7,7 +7,7 @@
 use crate::error::Error;
 
 use super::causes::NOT_MODELLED;
-use super::equation::{Form, Piece, Script, Term, pieces};
+use super::equation::{Form, Script, Term, pieces, runs};
 use super::layout::{Cell, Chunk, GREY, INK, MARK, grid, room, words};
 use super::picture::Picture;
 use super::text::{Face, Span};
@@ -147,28 +147,24 @@ fn heading(term: Term, size: f32) -> Vec<Chunk> {
     ]]
 }
 
-/// The equation up to a term, which is marked; a chunk a summand.
+/// The equation up to a term, which is dark and marked, while the others stand back; a chunk a summand.
 fn equation(form: Form, last: Term, size: f32) -> Vec<Chunk> {
+    let pieces = pieces(form, last);
     let mut chunks: Vec<Chunk> = Vec::new();
-    for piece in pieces(form, last) {
-        let span = marked(&piece, last, size);
-        match chunks.last_mut() {
-            Some(chunk) if !piece.breaks => chunk.push(span),
-            _ => chunks.push(vec![span]),
+    for (new, run) in runs(&pieces, true, |t| (t == last).then_some(MARK)) {
+        for piece in run {
+            let color = if new.is_some() { INK } else { GREY };
+            let span = Span {
+                highlight: new,
+                ..Span::of_piece(piece, size, color)
+            };
+            match chunks.last_mut() {
+                Some(chunk) if !piece.breaks => chunk.push(span),
+                _ => chunks.push(vec![span]),
+            }
         }
     }
     chunks
-}
-
-/// A piece in its colour: the term that came last is dark and marked, the others stand back.
-fn marked(piece: &Piece, last: Term, size: f32) -> Span {
-    let new = piece.term == Some(last);
-    let span = Span::of_piece(piece, size, if new { INK } else { GREY });
-    // The space before a sign stays unmarked, so that marks begin at ink.
-    Span {
-        highlight: (new && !piece.text.trim().is_empty()).then_some(MARK),
-        ..span
-    }
 }
 
 #[cfg(test)]
@@ -252,12 +248,12 @@ mod tests {
                 .collect();
             let expected = match term {
                 Term::Emission => "IE",
-                Term::Ambient => "+ KAIAL",
-                Term::Diffuse => "+ ΣLKD (N·L)IL",
+                Term::Ambient => "+ KA IAL",
+                Term::Diffuse => "+ ΣL KD (N·L) IL",
                 Term::Specular => "(+ KS (V·R)n)",
                 Term::Shadow => "SL",
-                Term::Reflection => "+ KSIR",
-                Term::Refraction => "+ KTIT",
+                Term::Reflection => "+ KS IR",
+                Term::Refraction => "+ KT IT",
             };
             assert_eq!(marked, expected);
         }

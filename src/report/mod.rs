@@ -6,6 +6,7 @@
 //! - [`files`]: which format a path asks for, atomic writes; [`formats`] and [`layered`]: PNG, PFM, HDR and EXR bytes.
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
+//! - [`folder`]: the files of a comparison, by name.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod causes;

@@ -12,7 +12,7 @@ use rastray_compare::{Map, Scale, ScaleKind};
 use crate::error::{Error, Note};
 use crate::frame::Plane;
 
-use super::equation::{Form, Piece, Script, Term, pieces, plain};
+use super::equation::{Form, Piece, Script, Term, pieces, plain, runs};
 use super::files::View;
 use super::formats::{png, png_of_picture};
 use super::numbers::{count, percent, tick, value};
@@ -136,7 +136,7 @@ impl Report {
         Ok(html! {
             section {
                 h2 { "Two pictures of one scene" }
-                div.grid.three {
+                div.grid.triple {
                     figure {
                         (linear_image(&self.raster, self.view, &format!("The rasterized picture, {}", mean(&self.raster)))?)
                         figcaption { strong { "raster" } "OpenGL's fixed-function lighting: every surface on its own." }
@@ -146,11 +146,12 @@ impl Report {
                         figcaption { strong { "trace" } "Whitted's ray tracing: shadows, mirrors and refraction." }
                     }
                     figure {
-                        (map_image(&self.difference, &alt)?)
+                        (map_picture(&self.difference, &alt)?)
                         figcaption {
                             strong { "difference" }
                             "trace − raster: orange where the traced picture is brighter, blue where it is darker."
                         }
+                        (legend(&self.difference.scale))
                     }
                 }
             }
@@ -162,11 +163,10 @@ impl Report {
         let step = |(term, plane): &(Term, Plane<[f32; 3]>)| -> Result<Markup, Error> {
             let equation = pieces(self.form, *term);
             let alt = format!("The picture with {}", plain(&equation));
-            let (base, sub) = term.label().split_once('_').unwrap_or((term.label(), ""));
             Ok(html! {
                 figure {
                     div.step {
-                        strong { (base) sub { (sub) } span { (term.name()) } }
+                        strong { (label(*term)) span { (term.name()) } }
                         span.formula role="math" aria-label=(plain(&equation)) { (marked(&equation, *term)) }
                     }
                     (overview(plane, self.view, &alt)?)
@@ -208,7 +208,7 @@ impl Report {
                     (overview(&term.plane, self.view, &alt)?)
                     figcaption {
                         strong { (term.name) }
-                        @if black { "nothing in this scene" } @else { "at most " (value(f64::from(largest))) }
+                        @if black { "zero everywhere" } @else { "at most " (value(f64::from(largest))) }
                     }
                 }
             })
@@ -243,9 +243,11 @@ fn mean_value(plane: &Plane<[f32; 3]>) -> f64 {
     values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// One piece as HTML.
+/// One piece as HTML. A line may break before a sign, not behind it.
 fn piece(p: &Piece) -> Markup {
-    let inner = html! { @if p.variable { var { (p.text) } } @else { (p.text) } };
+    let inner = html! {
+        @if p.variable { var { (p.text) } } @else if p.text == "+ " { "+\u{a0}" } @else { (p.text) }
+    };
     match p.script {
         Script::Base => inner,
         Script::Sub => html! { sub { (inner) } },
@@ -255,47 +257,21 @@ fn piece(p: &Piece) -> Markup {
 
 /// The equation with local and global parts underlined; the signs between the summands stay plain.
 fn grouped(equation: &[Piece]) -> Markup {
-    let classes = classes(equation);
-    let all: Vec<(&Piece, Option<&str>)> = equation.iter().zip(classes).collect();
+    let class = |t: Term| Some(if t.is_global() { "global" } else { "local" });
     html! {
-        @for run in all.chunk_by(|a, b| a.1 == b.1) {
-            @match run[0].1 {
-                Some(class) => {
-                    span class={ "term " (class) } title=(names_of(run)) {
-                        @for (p, _) in run { (piece(p)) }
-                    }
-                }
-                None => @for (p, _) in run { (piece(p)) },
+        @for (class, run) in runs(equation, false, class) {
+            @match class {
+                Some(class) => span class={ "term " (class) } title=(names_of(run)) { @for p in run { (piece(p)) } },
+                None => @for p in run { (piece(p)) },
             }
         }
     }
 }
 
-/// Local or global for each piece; none for what belongs to no term, for the signs between summands, and for spaces
-/// whose neighbours differ.
-fn classes(equation: &[Piece]) -> Vec<Option<&'static str>> {
-    let own = |i: usize| {
-        let joins = i > 0 && equation[i - 1].breaks;
-        let term = equation[i].term.filter(|_| !joins && !equation[i].breaks)?;
-        Some(if term.is_global() { "global" } else { "local" })
-    };
-    let blank = |i: usize| equation[i].text.trim().is_empty();
-    let between = |i: usize| {
-        let (before, after) = (
-            i.checked_sub(1).and_then(own),
-            equation.get(i + 1).and(Some(i + 1)),
-        );
-        before.filter(|_| before == after.and_then(own))
-    };
-    (0..equation.len())
-        .map(|i| if blank(i) { between(i) } else { own(i) })
-        .collect()
-}
-
 /// The names of the terms of a run, each once.
-fn names_of(run: &[(&Piece, Option<&str>)]) -> String {
+fn names_of(run: &[Piece]) -> String {
     let mut names: Vec<&str> = Vec::new();
-    for term in run.iter().filter_map(|(p, _)| p.term) {
+    for term in run.iter().filter_map(|p| p.term) {
         if !names.contains(&term.name()) {
             names.push(term.name());
         }
@@ -305,14 +281,18 @@ fn names_of(run: &[(&Piece, Option<&str>)]) -> String {
 
 /// The equation with its last term marked.
 fn marked(equation: &[Piece], last: Term) -> Markup {
-    let new = |p: &Piece| p.term == Some(last);
     html! {
-        @for run in equation.chunk_by(|a, b| new(a) == new(b) && (!new(b) || !b.text.trim().is_empty())) {
-            @if new(&run[0]) && !run[0].text.trim().is_empty() {
-                span.new { @for p in run { (piece(p)) } }
-            } @else { @for p in run { (piece(p)) } }
+        @for (new, run) in runs(equation, true, |t| (t == last).then_some(())) {
+            @if new.is_some() { span.new { @for p in run { (piece(p)) } } }
+            @else { @for p in run { (piece(p)) } }
         }
     }
+}
+
+/// "+ I_R" with its subscript lowered.
+pub(super) fn label(term: Term) -> Markup {
+    let (base, sub) = term.label().split_once('_').unwrap_or((term.label(), ""));
+    html! { (base) @if !sub.is_empty() { sub { (sub) } } }
 }
 
 /// A PNG inside the page.
@@ -339,17 +319,14 @@ fn overview(plane: &Plane<[f32; 3]>, view: View, alt: &str) -> Result<Markup, Er
     ))
 }
 
-/// A map with its legend.
-pub(super) fn map_image(map: &Map, alt: &str) -> Result<Markup, Error> {
+/// A map without its legend.
+pub(super) fn map_picture(map: &Map, alt: &str) -> Result<Markup, Error> {
     let bytes = png_of_picture(&Picture::from_map(map))?;
-    Ok(html! {
-        (image(&bytes, map.width, map.height, alt))
-        (legend(&map.scale))
-    })
+    Ok(image(&bytes, map.width, map.height, alt))
 }
 
 /// A scale as a bar with numbers.
-fn legend(scale: &Scale) -> Markup {
+pub(super) fn legend(scale: &Scale) -> Markup {
     let range = scale.max - scale.min();
     let colors: Vec<String> = (0..=24)
         .map(|i| scale.color(scale.min() + range * f64::from(i) / 24.0))
@@ -436,7 +413,10 @@ pub(super) mod tests {
                 .into_iter()
                 .all(|s| s.starts_with("data:image/png;base64,iVB"))
         );
-        assert!(!html.contains("base64,@"), "a face of the style sheet was not filled in");
+        assert!(
+            !html.contains("base64,@"),
+            "a face of the style sheet was not filled in"
+        );
     }
 
     #[test]
@@ -459,6 +439,34 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn one_pixel_and_no_lists_are_enough() {
+        let pixel = Plane::filled(1, 1, [0.5f32; 3]);
+        let map = signed_map(1, 1, &[[0.0; 3]], Reduction::Largest).unwrap();
+        let mut report = Report {
+            raster: pixel.clone(),
+            trace: pixel,
+            difference: map,
+            cause_maps: Vec::new(),
+            terms: Vec::new(),
+            buildup: Vec::new(),
+            notes: Vec::new(),
+            settings: Vec::new(),
+            ..example()
+        };
+        report.summary.size = [1, 1];
+        report.summary.causes.clear();
+        assert!(
+            report
+                .to_html()
+                .unwrap()
+                .contains("The two pictures are identical")
+        );
+        assert_eq!(report.files().unwrap().len(), 7);
+        report.raster.width = 2;
+        assert!(report.files().is_err());
+    }
+
+    #[test]
     fn a_cause_without_difference_shows_words_instead_of_a_map() {
         let html = example().to_html().unwrap();
         assert_eq!(html.matches("class=\"nothing\"").count(), 1); // clamping, in the example
@@ -473,7 +481,9 @@ pub(super) mod tests {
         assert_eq!(html.matches("class=\"term local\"").count(), 4); // I_E; K_A I_AL; the sum; I_L
         let marks = marked(&pieces(example().form, Term::Ambient), Term::Ambient).into_string();
         assert!(
-            marks.starts_with("<var>I</var> = <var>I</var><sub><var>E</var></sub>"),
+            marks.contains(
+                "<span class=\"new\">+\u{a0}<var>K</var><sub><var>A</var></sub> <var>I</var>"
+            ),
             "{marks}"
         );
     }

@@ -6,9 +6,10 @@ use serde_json::{Map as Object, Value};
 
 use crate::error::Error;
 
-use super::causes::{ORDER, explanation, result};
+use super::causes::{ORDER, explanation, figures, result};
+use super::equation::Term;
 use super::numbers::{count, duration, percent, value};
-use super::page::{Report, map_image};
+use super::page::{Report, label, legend, map_picture};
 use super::summary::{Cause, Summary};
 
 /// The result in a sentence or two.
@@ -91,7 +92,7 @@ fn shares(causes: &[Cause], pixels: usize) -> Markup {
                     tr {
                         th scope="col" { "cause" }
                         th scope="col" colspan="2" { "rmse" }
-                        th.number scope="col" { "at most" }
+                        th.number scope="col" { "max" }
                         th.number scope="col" { "pixels" }
                         th.number scope="col" { "share of pixels" }
                     }
@@ -121,24 +122,27 @@ fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Mark
     let known = explanation(&cause.name);
     let image = match cause.pixels {
         0 => html! { div.nothing { "no difference" } },
-        _ => map_image(map, &format!("Map of the step {sentence}"))?,
+        _ => html! {
+            (map_picture(map, &format!("Map of the step {sentence}"))?)
+            (legend(&map.scale))
+        },
     };
-    // The heading names the cause, so the sentence need not.
-    let numbers = sentence
-        .strip_prefix(&format!("{}: ", cause.name))
-        .unwrap_or(&sentence);
     Ok(html! {
         article {
-            h3 { span { (index + 1) } (cause.name) }
+            h3 {
+                span { (index + 1) }
+                (cause.name)
+                @if let Some(term) = Term::of_name(&cause.name) { span.symbol { (label(term)) } }
+            }
             (image)
-            @if cause.pixels > 0 { p.result { (numbers) } }
+            @if cause.pixels > 0 { p.result { (figures(cause, pixels)) } }
             @if let Some(known) = known { p.why { (capital(known.step)) ". " (known.text) } }
         }
     })
 }
 
 /// The sentence with a capital.
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars
         .next()
@@ -234,6 +238,14 @@ pub(super) fn numbers(report: &Report) -> Markup {
                     }
                 }
             }
+            (methods())
+        }
+    }
+}
+
+/// How each number was obtained.
+fn methods() -> Markup {
+    html! {
             h2 { "How each number was obtained" }
             dl {
                 dt { "causes" }
@@ -249,7 +261,6 @@ pub(super) fn numbers(report: &Report) -> Markup {
                 dt { "agreement" }
                 dd { "Rungs 3 and 4: more than 1/256 pixel away from triangle edges and from jumps of the model (spot cones, the specular gate, texel borders, coinciding surfaces)." }
             }
-        }
     }
 }
 

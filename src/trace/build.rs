@@ -8,7 +8,8 @@
 
 use rayon::prelude::*;
 
-use super::bvh::{BoxSpace, Bvh, HEURISTIC_DEPTH, Node, round_down, round_up};
+use super::bvh::{BoxSpace, Bvh, Node, round_down, round_up};
+use super::split::{Choice, Extent, Reference, choose, extents};
 use crate::math::DVec3;
 
 /// A box in world space, corners included. An empty one (low > high), or one that is not finite, holds nothing.
@@ -44,66 +45,10 @@ impl Bounds {
     }
 }
 
-const BINS: usize = 16;
+/// Largest leaf.
 const MAX_LEAF: usize = 8;
-/// Cost of entering a node, in primitive tests.
-const NODE_COST: f32 = 1.0;
 /// Subtrees and ranges below this stay on one thread.
-const PARALLEL: usize = 8 * 1024;
-
-/// A primitive during the build, box space.
-#[derive(Clone, Copy)]
-struct Reference {
-    low: [f32; 3],
-    high: [f32; 3],
-    index: u32,
-}
-
-/// A box in box space, for min, max and area.
-#[derive(Clone, Copy)]
-struct Extent {
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl Extent {
-    const EMPTY: Self = Self {
-        low: [f32::INFINITY; 3],
-        high: [f32::NEG_INFINITY; 3],
-    };
-
-    fn add(&mut self, low: &[f32; 3], high: &[f32; 3]) {
-        for k in 0..3 {
-            self.low[k] = if low[k] < self.low[k] {
-                low[k]
-            } else {
-                self.low[k]
-            };
-            self.high[k] = if high[k] > self.high[k] {
-                high[k]
-            } else {
-                self.high[k]
-            };
-        }
-    }
-
-    fn joined(mut self, other: &Self) -> Self {
-        self.add(&other.low, &other.high);
-        self
-    }
-
-    /// Half the surface area; 0 where empty.
-    fn area(&self) -> f32 {
-        let d = [0, 1, 2].map(|k| (self.high[k] - self.low[k]).max(0.0));
-        d[0] * d[1] + d[1] * d[2] + d[2] * d[0]
-    }
-}
-
-impl Reference {
-    fn doubled_center(&self, axis: usize) -> f32 {
-        self.low[axis] + self.high[axis]
-    }
-}
+pub(super) const PARALLEL: usize = 8 * 1024;
 
 /// A node of the binary tree that is collapsed later. Its subtree of n primitives owns 2n - 1 node places.
 #[derive(Clone, Copy)]
@@ -260,10 +205,10 @@ fn split(
         count: n as u32,
         second: 0,
     };
-    let middle = match best_split(references, &extent, &centers, depth, max_leaf) {
+    let middle = match choose(references, &extent, &centers, depth, max_leaf) {
         Choice::Leaf => return,
         Choice::Halve => n / 2,
-        Choice::Plane(plane) => partition(references, &plane),
+        Choice::Plane(plane) => plane.partition(references),
     };
     let (left, right) = references.split_at_mut(middle);
     let (own, rest) = nodes.split_at_mut(1);
@@ -279,179 +224,4 @@ fn split(
             || split(right, right_nodes, second, depth + 1, max_leaf),
         );
     }
-}
-
-/// Box of the primitives, and of their centres (doubled).
-fn extents(references: &[Reference]) -> (Extent, Extent) {
-    let gather = |part: &[Reference]| {
-        let mut boxes = Extent::EMPTY;
-        let mut centers = Extent::EMPTY;
-        for r in part {
-            boxes.add(&r.low, &r.high);
-            let c = [0, 1, 2].map(|k| r.doubled_center(k));
-            centers.add(&c, &c);
-        }
-        (boxes, centers)
-    };
-    if references.len() < PARALLEL {
-        return gather(references);
-    }
-    let join = |a: (Extent, Extent), b: (Extent, Extent)| (a.0.joined(&b.0), a.1.joined(&b.1));
-    let empty = || (Extent::EMPTY, Extent::EMPTY);
-    references
-        .par_chunks(PARALLEL)
-        .map(gather)
-        .reduce(empty, join)
-}
-
-enum Choice {
-    Leaf,
-    Halve,
-    Plane(Plane),
-}
-
-/// References in bins up to `bin` go left.
-struct Plane {
-    axis: usize,
-    bin: usize,
-    origin: f32,
-    factor: f32,
-}
-
-impl Plane {
-    fn bin_of(&self, r: &Reference) -> usize {
-        (((r.doubled_center(self.axis) - self.origin) * self.factor) as usize).min(BINS - 1)
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Bin {
-    extent: Extent,
-    count: u32,
-}
-
-type Bins = [[Bin; BINS]; 3];
-
-const NO_BINS: Bins = [[Bin {
-    extent: Extent::EMPTY,
-    count: 0,
-}; BINS]; 3];
-
-fn best_split(
-    references: &[Reference],
-    extent: &Extent,
-    centers: &Extent,
-    depth: usize,
-    max_leaf: usize,
-) -> Choice {
-    let n = references.len();
-    if n == 1 {
-        return Choice::Leaf;
-    }
-    if depth >= HEURISTIC_DEPTH {
-        return if n <= max_leaf {
-            Choice::Leaf
-        } else {
-            Choice::Halve
-        };
-    }
-    let planes = [0, 1, 2].map(|axis| {
-        let width = centers.high[axis] - centers.low[axis];
-        let factor = BINS as f32 * (1.0 - 4.0 * f32::EPSILON) / width;
-        let factor = if factor.is_finite() { factor } else { 0.0 };
-        let (bin, origin) = (0, centers.low[axis]);
-        Plane {
-            axis,
-            bin,
-            origin,
-            factor,
-        }
-    });
-    let bins = fill_bins(references, &planes);
-    // Cheapest plane: area times count of both sides; the first one where several cost the same.
-    let mut best = (f32::INFINITY, 0, 0);
-    for (axis, bins) in bins.iter().enumerate() {
-        if planes[axis].factor == 0.0 {
-            continue;
-        }
-        let costs = plane_costs(bins);
-        for (bin, cost) in costs.into_iter().enumerate() {
-            if cost < best.0 {
-                best = (cost, axis, bin);
-            }
-        }
-    }
-    let leaf_cost = extent.area() * n as f32;
-    let split_cost = best.0 + NODE_COST * extent.area();
-    if n <= max_leaf && leaf_cost <= split_cost {
-        return Choice::Leaf;
-    }
-    if best.0 == f32::INFINITY {
-        return Choice::Halve;
-    }
-    let [x, y, z] = planes;
-    let plane = [x, y, z].into_iter().nth(best.1);
-    plane.map_or(Choice::Halve, |p| Choice::Plane(Plane { bin: best.2, ..p }))
-}
-
-fn fill_bins(references: &[Reference], planes: &[Plane; 3]) -> Bins {
-    let fill = |part: &[Reference]| {
-        let mut bins = NO_BINS;
-        for r in part {
-            for (plane, bins) in planes.iter().zip(&mut bins) {
-                let bin = &mut bins[plane.bin_of(r)];
-                bin.extent.add(&r.low, &r.high);
-                bin.count += 1;
-            }
-        }
-        bins
-    };
-    if references.len() < PARALLEL {
-        return fill(references);
-    }
-    let join = |mut a: Bins, b: Bins| {
-        for (x, y) in a.iter_mut().flatten().zip(b.iter().flatten()) {
-            x.extent = x.extent.joined(&y.extent);
-            x.count += y.count;
-        }
-        a
-    };
-    references
-        .par_chunks(PARALLEL)
-        .map(fill)
-        .reduce(|| NO_BINS, join)
-}
-
-/// Cost of splitting behind each bin but the last; infinite where one side would be empty.
-fn plane_costs(bins: &[Bin; BINS]) -> [f32; BINS - 1] {
-    let mut costs = [f32::INFINITY; BINS - 1];
-    let mut right = [(0.0f32, 0u32); BINS];
-    let mut sum = (Extent::EMPTY, 0);
-    for i in (1..BINS).rev() {
-        sum = (sum.0.joined(&bins[i].extent), sum.1 + bins[i].count);
-        right[i] = (sum.0.area(), sum.1);
-    }
-    let mut sum = (Extent::EMPTY, 0);
-    for i in 0..BINS - 1 {
-        sum = (sum.0.joined(&bins[i].extent), sum.1 + bins[i].count);
-        let (area, count) = right[i + 1];
-        if sum.1 > 0 && count > 0 {
-            costs[i] = sum.0.area() * sum.1 as f32 + area * count as f32;
-        }
-    }
-    costs
-}
-
-/// Moves the references of the left bins to the front; returns how many they are (neither none nor all).
-fn partition(references: &mut [Reference], plane: &Plane) -> usize {
-    let (mut left, mut right) = (0, references.len());
-    while left < right {
-        if plane.bin_of(&references[left]) <= plane.bin {
-            left += 1;
-        } else {
-            right -= 1;
-            references.swap(left, right);
-        }
-    }
-    left
 }

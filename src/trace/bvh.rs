@@ -159,12 +159,10 @@ impl<const W: usize> Bvh<W> {
         walker: &mut Walker,
         mut leaf: impl FnMut(usize, &mut f64) -> bool,
     ) -> bool {
-        let Some(boxed) = BoxRay::new(ray, &self.space) else {
-            return false;
+        let boxed = match BoxRay::new(ray, &self.space) {
+            Some(boxed) if !self.nodes.is_empty() => boxed,
+            _ => return false,
         };
-        if self.nodes.is_empty() {
-            return false;
-        }
         let mut t_max = ray.t_max;
         let mut bound = boxed.bound(t_max);
         let Walker { work, stack } = walker;

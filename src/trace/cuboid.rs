@@ -17,7 +17,7 @@ pub struct Slabs {
 /// Outward normal of a face.
 pub fn face_normal(face: u32) -> DVec3 {
     let mut n = [0.0; 3];
-    n[(face / 2) as usize % 3] = if face % 2 == 0 { -1.0 } else { 1.0 };
+    n[(face / 2) as usize % 3] = if face.is_multiple_of(2) { -1.0 } else { 1.0 };
     DVec3::from_array(n)
 }
 

@@ -10,9 +10,9 @@
 //! | `ray` | rays, hits, the spawn offset |
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
-//! | `build` `bvh` | the hierarchy |
+//! | `build` `split` `bvh` | the hierarchy |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
-//! | `shadow` `tile` | S_L; a tile in waves |
+//! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -32,6 +32,8 @@ pub mod ray;
 mod shadow;
 mod solid;
 pub mod sphere;
+mod split;
+mod sums;
 pub mod surface;
 mod tile;
 

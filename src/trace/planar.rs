@@ -7,7 +7,9 @@
 //!
 //! World space in, f64. Degenerate polygons are no hit. Leaves out: coordinates beyond about 1e140.
 
-use super::exact::{difference_of_products, sign_of_difference};
+use super::exact::{
+    Twofold, cross, cross2, difference_of_products, dot2, pairs, sign_of_difference, unit,
+};
 use crate::math::DVec3;
 
 /// The shear that makes a ray the z axis.
@@ -100,19 +102,6 @@ impl Shear {
         Some(PlanarHit { t, uv, back })
     }
 
-    /// Whether the triangle is hit, edges and vertices included on every side, as a lone triangle is judged.
-    pub fn closed_triangle(&self, corners: [[f64; 3]; 3]) -> Option<PlanarHit> {
-        let [a, b, c] = corners.map(|v| self.vertex(v));
-        let signs = [sign(b, c), sign(c, a), sign(a, b)];
-        let (low, high) = (signs.iter().min()?, signs.iter().max()?);
-        if low * high < 0 || (*low == 0 && *high == 0) {
-            return None;
-        }
-        let (t, uv) = self.weights([a, b, c])?;
-        let back = *high > 0;
-        Some(PlanarHit { t, uv, back })
-    }
-
     /// t and the weights of b and c where the ray meets the plane of a, b, c (inside the triangle or not).
     #[inline]
     pub fn weights(&self, [a, b, c]: [Sheared; 3]) -> Option<(f64, [f64; 2])> {
@@ -127,6 +116,35 @@ impl Shear {
         let t = (wa * a.z + wb * b.z + wc * c.z) / sum / self.along;
         (t.is_finite() && u.is_finite() && v.is_finite()).then_some((t, [u, v]))
     }
+}
+
+/// Weights of b and c where a ray meets the plane of a triangle, to an ulp however far away the ray starts and however thin
+/// the triangle is: e = (d x Wa).(b - a) with Wa = a - origin (NUMERICS 2, "Triangle, value"), in pairs of f64.
+pub fn precise_weights(origin: DVec3, direction: DVec3, corners: [DVec3; 3]) -> Option<[f64; 2]> {
+    let difference = |p: DVec3, q: DVec3| {
+        let (p, q) = (p.to_array(), q.to_array());
+        [0, 1, 2].map(|k| Twofold::difference(p[k], q[k]))
+    };
+    let d = pairs(direction);
+    let weight =
+        |from: DVec3, to: DVec3| dot2(cross2(d, difference(from, origin)), difference(to, from));
+    let [a, b, c] = corners;
+    let (wb, wc) = (weight(c, a), weight(a, b));
+    let sum = weight(b, c) + wb + wc;
+    let uv = [(wb / sum).value(), (wc / sum).value()];
+    uv.iter().all(|x| x.is_finite()).then_some(uv)
+}
+
+/// Unit normal (b - a) x (c - a) of a triangle, by differences of products; zero where it has no area.
+pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    use crate::lanes::Real;
+    let (ab, ac) = (b - a, c - a);
+    let largest = ab.abs().max_element().max(ac.abs().max_element());
+    if !(largest > 0.0 && largest.is_finite()) {
+        return DVec3::ZERO;
+    }
+    let (down, _) = largest.power_of_two_scale();
+    unit(cross(ab * down, ac * down))
 }
 
 /// Twice the signed area of (0, p, q): difference of products.

@@ -190,35 +190,40 @@ impl Solid {
                 min,
                 max,
                 size_world,
-            } => {
-                let (o, d) = self.ray_object(ray);
-                let mut p = (o + hit.t * d).clamp(*min, *max).to_array();
-                let axis = (hit.feature / 2) as usize % 3;
-                let bound = if hit.feature % 2 == 0 { min } else { max };
-                p[axis] = bound.to_array()[axis];
-                let foot = Foot {
-                    point: self.place.transform_point3(DVec3::from_array(p)),
-                    normal: self.normal(face_normal(hit.feature)),
-                    scale: *size_world,
-                };
-                (foot, 0)
-            }
+            } => (self.cuboid_foot(ray, hit, [*min, *max], *size_world), 0),
             Form::Patch {
                 corners_world,
-                edges_world,
+                edges_world: [edge_u, edge_v],
                 normal_world,
                 tiles,
                 ..
             } => {
                 let [u, v] = hit.uv;
-                let corner = DVec3::from_array(corners_world[0]);
                 let foot = Foot {
-                    point: corner + u * edges_world[0] + v * edges_world[1],
+                    point: DVec3::from_array(corners_world[0]) + u * *edge_u + v * *edge_v,
                     normal: *normal_world,
-                    scale: edges_world[0].abs().max_element() + edges_world[1].abs().max_element(),
+                    scale: edge_u.abs().max_element() + edge_v.abs().max_element(),
                 };
                 (foot, tile(u, tiles[0]) + tile(v, tiles[1]))
             }
+        }
+    }
+
+    fn cuboid_foot(&self, ray: &Ray, hit: &Hit, [min, max]: [DVec3; 2], scale: f64) -> Foot {
+        let (o, d) = self.ray_object(ray);
+        let mut p = (o + hit.t * d).clamp(min, max).to_array();
+        // Exactly on its face, whatever t lost.
+        let axis = (hit.feature / 2) as usize % 3;
+        let face = if hit.feature.is_multiple_of(2) {
+            min
+        } else {
+            max
+        };
+        p[axis] = face.to_array()[axis];
+        Foot {
+            point: self.place.transform_point3(DVec3::from_array(p)),
+            normal: self.normal(face_normal(hit.feature)),
+            scale,
         }
     }
 

@@ -72,22 +72,25 @@ pub fn roots(q: [Twofold; 3], d: DVec3, r: f64) -> Option<Roots> {
         return None;
     }
     let (h, length) = (h2.sqrt(), dd.sqrt());
-    // The root on b's side first: both parts have one sign. Its product with the other is C / |d|^2.
-    let b = b.value();
-    let reach = b.abs() + h * length;
-    let (large, small) = if reach > 0.0 {
-        (reach / dd, c.value() / reach)
-    } else {
-        (0.0, 0.0)
-    };
-    let t = if b < 0.0 {
-        [-large, -small]
-    } else {
-        [small, large]
-    };
+    let t = parameters(b.value(), h * length, c.value(), dd);
     let half = d * (h / length);
     let middle = -offset;
     Some(Roots { t, middle, half })
+}
+
+/// Both t from b = q.d, the half chord times |d|, C and |d|^2. The root on b's side comes first: both its parts have one
+/// sign. Its product with the other is C / |d|^2.
+fn parameters(b: f64, half: f64, c: f64, dd: f64) -> [f64; 2] {
+    let reach = b.abs() + half;
+    if reach == 0.0 {
+        return [0.0; 2];
+    }
+    let (large, small) = (reach / dd, c / reach);
+    if b < 0.0 {
+        [-large, -small]
+    } else {
+        [small, large]
+    }
 }
 
 /// From the ray's point nearest to the centre, to the centre: d x (q x d) / |d|^2 in pairs, for origins far away.

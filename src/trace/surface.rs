@@ -7,8 +7,8 @@
 
 use super::build::Bounds;
 use super::bvh::{Bvh, Walker};
-use super::exact::{cross, unit};
-use super::planar::Shear;
+use super::exact::unit;
+use super::planar::{Shear, normal, precise_weights};
 use super::ray::{Foot, Hit, Ray};
 use super::solid::Solid;
 use crate::lanes::Real;
@@ -56,21 +56,7 @@ pub struct Site<R> {
 impl<'a, R: Real> Surfaces<'a, R> {
     /// Prepares a scene: true shapes where `exact`, else the assembly's triangles alone.
     pub(super) fn new(scene: &'a Scene, assembly: &'a Assembly<R>, exact: bool) -> Self {
-        let mut items = Vec::with_capacity(assembly.triangles.len());
-        let mut solids = Vec::new();
-        for (index, object) in scene.objects.iter().enumerate() {
-            let range = assembly.triangle_range.get(index).cloned().unwrap_or(0..0);
-            match &object.geometry {
-                scene::Geometry::Shape(shape) if exact => {
-                    let place = &object.world_from_object;
-                    if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
-                        items.push(SOLID + solids.len() as u32);
-                        solids.push(solid);
-                    }
-                }
-                _ => items.extend(range),
-            }
-        }
+        let (items, solids) = gather(scene, assembly, exact);
         let mut surfaces = Self {
             scene,
             assembly,
@@ -181,7 +167,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
     /// taken from the eye-space numbers that the rasterizer uses, too.
     pub fn site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
         if hit.item & SOLID == 0 {
-            self.triangle_site(hit, eye_ray)
+            self.triangle_site(ray, hit, eye_ray)
         } else {
             self.solid_site(ray, hit)
         }
@@ -276,7 +262,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
     }
 
-    fn triangle_site(&self, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+    fn triangle_site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
         let a = self.assembly;
         let triangle = a.triangles[hit.item as usize];
         let world = self
@@ -285,10 +271,15 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
         let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
-        let [u, v] = hit.uv;
+        // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
+        let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {
+            precise_weights(ray.origin, ray.direction, world).unwrap_or(hit.uv)
+        } else {
+            hit.uv
+        };
         let foot = Foot {
             point: world[0] + u * ab + v * ac,
-            normal: unit(cross(unit(ab), unit(ac))),
+            normal: normal(world),
             scale: ab.abs().max_element() + ac.abs().max_element(),
         };
         let [u, v] = eye_ray
@@ -310,6 +301,26 @@ impl<'a, R: Real> Surfaces<'a, R> {
             skip: [hit.item; 2],
         }
     }
+}
+
+/// The items of a scene in file order, and its exact shapes.
+fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, Vec<Solid>) {
+    let mut items = Vec::with_capacity(assembly.triangles.len());
+    let mut solids = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let range = assembly.triangle_range.get(index).cloned().unwrap_or(0..0);
+        match &object.geometry {
+            scene::Geometry::Shape(shape) if exact => {
+                let place = &object.world_from_object;
+                if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
+                    items.push(SOLID + solids.len() as u32);
+                    solids.push(solid);
+                }
+            }
+            _ => items.extend(range),
+        }
+    }
+    (items, solids)
 }
 
 fn in_range(ray: &Ray, hit: &Hit) -> bool {

@@ -4,9 +4,6 @@
 //! Waves hold pixels one after the other and the rays of a pixel in the order in which they were made (parents in order,
 //! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
 //! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
-//!
-//! Sums (DESIGN 1 "Colour"): a secondary hit adds weight x term, in the order of the layers, to the layer of its first
-//! bounce; a miss adds weight x background. In `R`, or in f64 rounded once where some colour is negative.
 
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
@@ -14,10 +11,11 @@ use super::exact::unit;
 use super::media::{AIR, Media};
 use super::ray::{NO_ITEM, Ray};
 use super::shadow::Shadows;
+use super::sums::{Mean, Sums};
 use super::surface::Site;
 use super::{Counters, MAX_RAYS, Options, Plan};
 use crate::error::Error;
-use crate::frame::{LayerIndex, NONE, remainder, sum_in_order};
+use crate::frame::{LayerIndex, NONE};
 use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
 use crate::math::{DMat3, DVec2, DVec3};
@@ -49,18 +47,6 @@ pub(super) struct TileFrame<R> {
     pub(super) counters: Counters,
 }
 
-/// The sums of one sample of every pixel.
-struct Sums<R> {
-    /// Local light, added up: used where no single terms are needed.
-    local: Vec<[R; 3]>,
-    /// Local light term by term: used otherwise.
-    terms: Vec<Vec<[R; 3]>>,
-    /// Reflection and refraction. Values of `R`, or of f64 where colours are signed.
-    bounced: [Vec<[f64; 3]>; 2],
-    /// Secondary rays of each pixel.
-    rays: Vec<u32>,
-}
-
 /// A terms list of one batch: [`Sink::Record`]'s, or one sum.
 type Terms<R> = Vec<[Vec<R>; 3]>;
 
@@ -71,12 +57,13 @@ pub(super) struct Tile<'p, 'a, R> {
     area: Area,
     rotation: DMat3,
     signed: bool,
-    recording: bool,
     walker: Walker,
     media: Media,
     batches: Batches<R>,
     counters: Counters,
     sums: Sums<R>,
+    /// Primary rays of the sample at hand, eye space.
+    eye_rays: Vec<(DVec3, DVec3)>,
     out: TileFrame<R>,
 }
 
@@ -88,12 +75,12 @@ pub(super) fn draw<R: Real>(
 ) -> Result<TileFrame<R>, Error> {
     let mut tile = Tile::new(plan, options, area);
     let samples = plan.scene.image.samples.max(1);
-    let mut mean = Mean::new(&tile, samples);
+    let mut mean = Mean::new(&tile.out, samples);
     for index in 0..samples {
         tile.sample(index)?;
-        mean.add(&mut tile);
+        mean.add(&tile.sums, &mut tile.out);
     }
-    mean.finish(&mut tile);
+    mean.finish(&mut tile.out, tile.signed);
     tile.counters.add_work(&tile.walker.work);
     tile.out.counters = tile.counters;
     Ok(tile.out)
@@ -106,8 +93,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lights: plan.lamps.len(),
         };
         let signed = plan.scene.has_negative_colors();
-        let recording = options.layers || signed;
-        let terms = if recording { index.local() } else { 0 };
         let layers = if options.layers { index.count() } else { 0 };
         let black = || vec![[R::ZERO; 3]; pixels];
         Self {
@@ -116,17 +101,12 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             area,
             rotation: plan.scene.camera.eye_from_world_rotation(),
             signed,
-            recording,
             walker: Walker::default(),
             media: Media::new(),
             batches: Batches::new(plan.scene.materials.len()),
             counters: Counters::default(),
-            sums: Sums {
-                local: black(),
-                terms: (0..terms).map(|_| black()).collect(),
-                bounced: [vec![[0.0; 3]; pixels], vec![[0.0; 3]; pixels]],
-                rays: vec![0; pixels],
-            },
+            sums: Sums::new(pixels, index, options.layers, signed),
+            eye_rays: Vec::new(),
             out: TileFrame {
                 area,
                 color: black(),
@@ -154,28 +134,25 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         Ok(())
     }
 
-    fn primary_paths(&self, index: u32) -> Vec<Path> {
-        let (scene, area) = (self.plan.scene, self.area);
+    fn primary_paths(&mut self, index: u32) -> Vec<Path> {
+        let pixels = 0..self.area.width * self.area.height;
+        self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
+        let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        let pixels = 0..area.width * area.height;
-        let path = |pixel: u32| {
-            let (origin, direction) = self.eye_ray(pixel, index);
-            let ray = Ray {
-                origin: scene.camera.eye + world_from_eye * origin,
+        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| Path {
+            ray: Ray {
+                origin: camera.eye + world_from_eye * origin,
                 direction: world_from_eye * direction,
-                t_min: scene.camera.near,
-                t_max: scene.camera.far.unwrap_or(f64::INFINITY),
+                t_min: camera.near,
+                t_max: camera.far.unwrap_or(f64::INFINITY),
                 skip: NO_ITEM,
-            };
-            Path {
-                ray,
-                weight: [1.0; 3],
-                pixel,
-                branch: Branch::Primary,
-                media: AIR,
-            }
+            },
+            weight: [1.0; 3],
+            pixel: pixel as u32,
+            branch: Branch::Primary,
+            media: AIR,
         };
-        pixels.map(path).collect()
+        self.eye_rays.iter().enumerate().map(path).collect()
     }
 
     /// The primary ray of a pixel of the tile, eye space.
@@ -230,7 +207,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let surfaces = &self.plan.surfaces;
         let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
-        let eye_ray = primary.then(|| self.eye_ray(path.pixel, index));
+        let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
         let site = surfaces.site(&path.ray, &hit, eye_ray);
         if primary && index == 0 {
             let pixel = path.pixel as usize;
@@ -238,9 +215,15 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
-        // Facing: the rule of the light model in air, towards the ray inside a medium.
+        self.enter(tag, path, &site);
+        Some(site)
+    }
+
+    /// Enters a hit for shading: which side faces the ray, and where the viewer is.
+    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
         let model = &self.plan.scene.light_model;
         let arriving = self.rotation * path.ray.direction;
+        // Facing: the rule of the light model in air, towards the ray inside a medium.
         let front = DVec3::from_array(site.normal_eye);
         let back = model.two_sided && site.back;
         let flip = if path.media == AIR {
@@ -250,23 +233,17 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         };
         let normal = if flip { -front } else { front };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along.
-        let viewer = if !primary {
-            unit(-arriving)
-        } else if model.local_viewer {
-            unit(-DVec3::from_array(site.position_eye.map(Real::to_f64)))
-        } else {
-            DVec3::Z
+        let viewer = match path.branch {
+            Branch::Primary if !model.local_viewer => DVec3::Z,
+            Branch::Primary => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
+            _ => unit(-arriving),
         };
         let real = |v: DVec3| v.to_array().map(R::from_f64);
-        self.batches.push(
-            surface(site.material as usize, back),
-            tag,
-            site.position_eye,
-            real(normal),
-            real(viewer),
-        );
+        let surface = surface(site.material as usize, back);
+        let (normal, viewer) = (real(normal), real(viewer));
+        self.batches
+            .push(surface, tag, site.position_eye, normal, viewer);
         self.counters.shaded_points += 1;
-        Some(site)
     }
 
     /// Primary hits: their terms are the picture's own; misses show the background.
@@ -286,12 +263,12 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         }
         let batches = std::mem::take(&mut self.batches);
         for batch in batches.iter() {
-            let terms = self.shade(batch, sites, self.recording);
+            let terms = self.shade(batch, sites, self.sums.recording());
             for (slot, &tag) in batch.tags.iter().enumerate() {
                 let pixel = paths[tag as usize].pixel as usize;
                 for (k, term) in terms.iter().enumerate() {
                     let value = [term[0][slot], term[1][slot], term[2][slot]];
-                    if self.recording {
+                    if self.sums.recording() {
                         self.sums.terms[k][pixel] = value;
                     } else {
                         self.sums.local[pixel] = value;
@@ -317,15 +294,15 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let background = self.plan.scene.image.background.map(R::from_f64);
         for (i, path) in paths.iter().enumerate() {
             let layer = usize::from(path.branch == Branch::Refraction);
-            let sum = &mut self.sums.bounced[layer][path.pixel as usize];
+            let pixel = path.pixel as usize;
             if sites[i].is_none() {
-                accumulate(sum, path.weight, background, self.signed);
+                self.sums.add(layer, pixel, path.weight, background);
                 continue;
             }
             let (number, slot) = (places[i].0 as usize, places[i].1 as usize);
             for term in &shaded[number] {
                 let value = [term[0][slot], term[1][slot], term[2][slot]];
-                accumulate(sum, path.weight, value, self.signed);
+                self.sums.add(layer, pixel, path.weight, value);
             }
         }
     }
@@ -347,8 +324,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             counters: &mut self.counters,
         };
         let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
-        let visibility = wanted
-            .then_some(&mut shadows as &mut dyn Visibility<R>);
+        let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
         let (isa, rig) = (self.options.isa, &plan.rig);
         let mut terms = Vec::new();
         let mut sum = [Vec::new(), Vec::new(), Vec::new()];
@@ -369,7 +345,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         if record { terms } else { vec![sum] }
     }
 
-    /// Adds the secondary rays of a hit to the next wave.
     /// Which secondary rays are cast: those asked for that the scene has a use for.
     fn wanted(&self) -> [bool; 2] {
         let needs = &self.plan.needs;
@@ -379,6 +354,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         ]
     }
 
+    /// Adds the secondary rays of a hit to the next wave.
     fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
@@ -410,43 +386,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         }
         Ok(())
     }
-
-    /// The colour of a pixel's sample, and the bounced layers as they count in it.
-    fn pixel_color(&self, pixel: usize) -> ([R; 3], [[R; 3]; 2]) {
-        let bounced = [0, 1].map(|k| self.sums.bounced[k][pixel].map(R::from_f64));
-        let color = if self.recording {
-            let local = self.sums.terms.iter().map(|term| term[pixel]);
-            sum_in_order(local.chain(bounced), self.signed)
-        } else {
-            let local = self.sums.local[pixel];
-            [0, 1, 2].map(|c| (local[c] + bounced[0][c]) + bounced[1][c])
-        };
-        (color, bounced)
-    }
-}
-
-impl<R: Real> Sums<R> {
-    fn clear(&mut self) {
-        self.local.fill([R::ZERO; 3]);
-        for term in &mut self.terms {
-            term.fill([R::ZERO; 3]);
-        }
-        for bounced in &mut self.bounced {
-            bounced.fill([0.0; 3]);
-        }
-        self.rays.fill(0);
-    }
-}
-
-/// `sum += weight * value`: in f64 where `signed`, else rounded to `R` at each step.
-fn accumulate<R: Real>(sum: &mut [f64; 3], weight: [f64; 3], value: [R; 3], signed: bool) {
-    for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
-        *s = if signed {
-            *s + w * x.to_f64()
-        } else {
-            (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
-        };
-    }
 }
 
 /// Cuts a wave into pieces of at most about [`WAVE`] rays, never inside a pixel.
@@ -464,104 +403,4 @@ fn cut_between_pixels(mut paths: Vec<Path>) -> Vec<Vec<Path>> {
         pieces.push(paths);
     }
     pieces
-}
-
-/// The mean over samples: summed in f64 in sample order, rounded once; one sample is passed on as it is.
-struct Mean {
-    samples: u32,
-    color: Vec<[f64; 3]>,
-    layers: Vec<Vec<[f64; 3]>>,
-}
-
-impl Mean {
-    fn new<R: Real>(tile: &Tile<'_, '_, R>, samples: u32) -> Self {
-        let pixels = if samples == 1 {
-            0
-        } else {
-            tile.out.color.len()
-        };
-        let zero = || vec![[0.0; 3]; pixels];
-        Self {
-            samples,
-            color: zero(),
-            layers: tile.out.layers.iter().map(|_| zero()).collect(),
-        }
-    }
-
-    fn add<R: Real>(&mut self, tile: &mut Tile<'_, '_, R>) {
-        let layers = tile.out.layers.len();
-        for pixel in 0..tile.out.color.len() {
-            let (color, bounced) = tile.pixel_color(pixel);
-            if self.samples == 1 {
-                tile.out.color[pixel] = color;
-            } else {
-                add_to(&mut self.color[pixel], color);
-            }
-            if layers == 0 {
-                continue;
-            }
-            let local = tile.sums.terms.len();
-            for k in 0..local + 2 {
-                let value = if k < local {
-                    tile.sums.terms[k][pixel]
-                } else {
-                    bounced[k - local]
-                };
-                if self.samples == 1 {
-                    tile.out.layers[k][pixel] = value;
-                } else {
-                    add_to(&mut self.layers[k][pixel], value);
-                }
-            }
-        }
-    }
-
-    fn finish<R: Real>(self, tile: &mut Tile<'_, '_, R>) {
-        if self.samples == 1 {
-            return;
-        }
-        let signed = tile.signed;
-        let out = &mut tile.out;
-        for (pixel, sum) in self.color.into_iter().enumerate() {
-            out.color[pixel] = sampling::resolve(sum, self.samples);
-        }
-        let Some((rest, named)) = out.layers.split_last_mut() else {
-            return;
-        };
-        for (layer, sums) in named.iter_mut().zip(&self.layers) {
-            for (value, sum) in layer.iter_mut().zip(sums) {
-                *value = sampling::resolve(*sum, self.samples);
-            }
-        }
-        for pixel in 0..out.color.len() {
-            let layers = named.iter().map(|layer| layer[pixel]);
-            rest[pixel] = closing(out.color[pixel], layers, signed);
-        }
-    }
-}
-
-fn add_to<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
-    for (s, x) in sum.iter_mut().zip(value) {
-        *s += x.to_f64();
-    }
-}
-
-/// The remainder layer's value: added last, it makes the sum of the layers the picture, bit for bit.
-fn closing<R: Real>(color: [R; 3], layers: impl Iterator<Item = [R; 3]>, signed: bool) -> [R; 3] {
-    if !signed {
-        let sum = sum_in_order(layers, false);
-        return [0, 1, 2].map(|c| remainder(color[c], sum[c]));
-    }
-    let mut sum = [0.0; 3];
-    for layer in layers {
-        add_to(&mut sum, layer);
-    }
-    [0, 1, 2].map(|c| {
-        let guess = R::from_f64(color[c].to_f64() - sum[c]);
-        let closes = |x: &R| R::from_f64(sum[c] + x.to_f64()) == color[c];
-        [guess, guess.next_up(), guess.next_down()]
-            .into_iter()
-            .find(closes)
-            .unwrap_or(guess)
-    })
 }

@@ -1,2 +1,124 @@
-//! x
-fn main() {}
+//! The conformance adapter: answers reference cases by calling the functions that the renderers call.
+//!
+//! `probe cases --cases FILE.json[.gz] --precision f32|f64`, `probe gl-lights --precision f32|f64 < light-cases.jsonl`,
+//! `probe lighting < cases.jsonl`. Answers go to standard output, one JSON value a line; errors to standard error,
+//! exit code 2.
+
+mod gl_lights;
+mod numerics;
+
+use std::io::{Read, Write};
+use std::process::ExitCode;
+
+/// Anything that stops the program, as one sentence.
+type Failure = Box<dyn std::error::Error>;
+
+const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64
+       probe gl-lights --precision f32|f64 < light-cases.jsonl
+       probe lighting < cases.jsonl";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("probe: {failure}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: &[String]) -> Result<(), Failure> {
+    let command = arguments.first().map_or("", String::as_str);
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    match (command, precision(arguments)?) {
+        ("cases", Precision::F32) => numerics::answer::<f32>(&cases_file(arguments)?, &mut out)?,
+        ("cases", Precision::F64) => numerics::answer::<f64>(&cases_file(arguments)?, &mut out)?,
+        ("gl-lights", Precision::F32) => each_line(&mut out, gl_lights::answer::<f32>)?,
+        ("gl-lights", Precision::F64) => each_line(&mut out, gl_lights::answer::<f64>)?,
+        ("lighting", _) => each_line(&mut out, gl_lights::terms)?,
+        _ => return Err(USAGE.into()),
+    }
+    out.flush()?;
+    Ok(())
+}
+
+enum Precision {
+    F32,
+    F64,
+}
+
+/// The value after a flag.
+fn option<'a>(arguments: &'a [String], flag: &str) -> Option<&'a str> {
+    let at = arguments.iter().position(|a| a == flag)?;
+    arguments.get(at + 1).map(String::as_str)
+}
+
+fn precision(arguments: &[String]) -> Result<Precision, Failure> {
+    match option(arguments, "--precision") {
+        Some("f32") => Ok(Precision::F32),
+        Some("f64") | None => Ok(Precision::F64),
+        Some(other) => Err(format!("--precision: expected f32 or f64, found {other:?}").into()),
+    }
+}
+
+/// The text of `--cases FILE`, unpacked where the name says so.
+fn cases_file(arguments: &[String]) -> Result<String, Failure> {
+    let path = option(arguments, "--cases").ok_or(USAGE)?;
+    let bytes = std::fs::read(path).map_err(|e| format!("{path}: {e}"))?;
+    let mut text = String::new();
+    if path.ends_with(".gz") {
+        flate2::read::GzDecoder::new(&bytes[..]).read_to_string(&mut text)?;
+    } else {
+        text = String::from_utf8(bytes)?;
+    }
+    Ok(text)
+}
+
+/// Answers every line of standard input with a line.
+fn each_line(
+    out: &mut impl Write,
+    answer: fn(&str) -> Result<serde_json::Value, Failure>,
+) -> Result<(), Failure> {
+    for (number, line) in std::io::stdin().lines().enumerate() {
+        let line = line?;
+        if line.trim().is_empty() {
+            continue;
+        }
+        let value = answer(&plain_json(&line)).map_err(|e| format!("line {}: {e}", number + 1))?;
+        writeln!(out, "{value}")?;
+    }
+    Ok(())
+}
+
+/// The line with NaN, Infinity and -Infinity, which some writers leave outside strings, as null: JSON has no word for
+/// them, and only figures about the case, not its inputs, are ever such.
+fn plain_json(line: &str) -> String {
+    let mut out = String::with_capacity(line.len());
+    for (i, part) in line.split('"').enumerate() {
+        if i > 0 {
+            out.push('"');
+        }
+        // Every second part stands inside quotes (the cases escape none).
+        if i % 2 == 1 {
+            out.push_str(part);
+        } else {
+            let part = part.replace("-Infinity", "null");
+            out.push_str(&part.replace("Infinity", "null").replace("NaN", "null"));
+        }
+    }
+    out
+}
+
+/// A number as the reference data writes it: what JSON has no number for is a string.
+fn number(x: f64) -> serde_json::Value {
+    if x.is_finite() {
+        x.into()
+    } else if x.is_nan() {
+        "nan".into()
+    } else if x > 0.0 {
+        "inf".into()
+    } else {
+        "-inf".into()
+    }
+}

@@ -33,7 +33,7 @@ impl<'a> Reader<'a> {
                 .choice("fresnel", Fresnel::NAMES)?
                 .unwrap_or_default(),
         };
-        self.scene.materials.push(Material {
+        self.push_material(Material {
             name: key.name.clone(),
             front,
             back,

@@ -11,6 +11,7 @@ mod materials;
 mod mesh;
 mod objects;
 mod settings;
+mod shapes;
 mod transform;
 
 use std::collections::HashMap;
@@ -36,19 +37,7 @@ pub(crate) fn read(
     home: &Home,
     contents: Contents,
 ) -> Result<(Scene, Vec<Note>, Fitted), Error> {
-    let mut reader = Reader {
-        document,
-        home,
-        scene: Scene::default(),
-        notes: Vec::new(),
-        lecture: false,
-        back_without_two_sides: Vec::new(),
-        default_material: None,
-        models: HashMap::new(),
-        tessellated: 0,
-    };
-    reader.scene.materials = contents.materials;
-    reader.scene.objects = contents.objects;
+    let mut reader = Reader::new(document, home, contents);
     let top = reader.top()?;
     reader.convention(&top)?;
     reader.image(top.get("image"))?;
@@ -87,8 +76,12 @@ struct Reader<'a> {
     default_material: Option<usize>,
     /// OBJ files read so far, by name and `smooth`.
     models: HashMap<(String, Option<bool>), obj::Shared>,
+    /// Materials by name.
+    material_index: HashMap<String, usize>,
     /// Triangles that stated levels and tiles ask for.
     tessellated: u64,
+    /// Triangles of the objects' meshes.
+    mesh_triangles: u64,
 }
 
 /// The top level of the document.
@@ -126,6 +119,27 @@ impl<'a> Top<'a> {
 }
 
 impl<'a> Reader<'a> {
+    fn new(document: &'a Document, home: &'a Home, contents: Contents) -> Self {
+        let mut reader = Self {
+            document,
+            home,
+            scene: Scene::default(),
+            notes: Vec::new(),
+            lecture: false,
+            back_without_two_sides: Vec::new(),
+            default_material: None,
+            models: HashMap::new(),
+            material_index: HashMap::new(),
+            tessellated: 0,
+            mesh_triangles: 0,
+        };
+        for material in contents.materials {
+            reader.push_material(material);
+        }
+        reader.scene.objects = contents.objects;
+        reader
+    }
+
     fn top(&self) -> Result<Top<'a>, Error> {
         let entries = table(self.document, &self.document.root, "the file")?;
         for (key, node) in entries {
@@ -136,10 +150,7 @@ impl<'a> Reader<'a> {
             if !TOP.contains(&key.name.as_str()) {
                 let message = format!("there is no section `{}`", key.name);
                 let error = self.document.error(&key.span, message);
-                return Err(match names::advice(&key.name, TOP) {
-                    Some(advice) => error.with_help(advice),
-                    None => error,
-                });
+                return Err(names::with_advice(error, &key.name, TOP));
             }
         }
         Ok(Top {
@@ -203,10 +214,12 @@ impl<'a> Reader<'a> {
             .filter(|(_, used)| !used)
             .map(|(m, _)| m.name.as_str())
             .collect();
-        if !unused.is_empty() {
-            let message = format!("no object uses material {}", names::list(&unused, "and"));
-            self.note(None, message);
-        }
+        let message = match unused.len() {
+            0 => return,
+            1..=8 => format!("no object uses material {}", names::list(&unused, "or")),
+            more => format!("no object uses {more} of the materials"),
+        };
+        self.note(None, message);
     }
 }
 

@@ -154,31 +154,19 @@ impl<'a> Reader<'a> {
         let section = self.section(entry, keys::CAMERA)?;
         let image = &self.scene.image;
         let aspect = f64::from(image.width) / f64::from(image.height);
-        let mut camera = Camera::default();
-        let mut fitted = Fitted::default();
-        let (mut eye, mut target, mut near) = (None, None, None);
-        if let Some(section) = &section {
-            eye = section.vector("eye")?;
-            target = section.vector("target")?;
-            near = section.number("near")?;
-            camera.up = section.direction("up")?.unwrap_or(camera.up);
-            camera.far = section.number("far")?;
-            camera.projection = projection(section)?;
-        }
+        let stated = section.as_ref().map_or(Ok(View::default()), view)?;
+        let mut camera = stated.camera;
         let bounds = Bounds::of_objects(&self.scene.objects).unwrap_or(Bounds {
             min: DVec3::NEG_ONE,
             max: DVec3::ONE,
         });
-        fitted.target = target.is_none();
-        camera.target = target.unwrap_or_else(|| bounds.center());
-        fitted.eye = eye.is_none();
-        camera.eye = eye.unwrap_or_else(|| {
+        camera.target = stated.target.unwrap_or_else(|| bounds.center());
+        camera.eye = stated.eye.unwrap_or_else(|| {
             let (up, projection) = (camera.up, camera.projection);
             fit::eye(&bounds, camera.target, TOWARD, up, projection, aspect)
         });
         self.check_view(section.as_ref(), &camera)?;
-        fitted.near = near.is_none();
-        camera.near = match near {
+        camera.near = match stated.near {
             Some(near) => near,
             None => fit::near(&camera, &self.scene.objects, aspect),
         };
@@ -189,6 +177,11 @@ impl<'a> Reader<'a> {
             return Err(section.error_at("far", message));
         }
         self.scene.camera = camera;
+        let fitted = Fitted {
+            eye: stated.eye.is_none(),
+            target: stated.target.is_none(),
+            near: stated.near.is_none(),
+        };
         self.note_fit(&fitted);
         Ok(fitted)
     }
@@ -198,18 +191,15 @@ impl<'a> Reader<'a> {
         let refuse = |key: &str, message: String| {
             Err(match section {
                 Some(section) if section.has(key) => section.error_at(key, message),
-                Some(section) => section.error(message),
-                None => Error::input(self.document.whole(), format!("camera: {message}")),
+                Some(section) => section.error(format!("{key}: {message}")),
+                None => Error::input(self.document.whole(), format!("camera: {key}: {message}")),
             })
         };
         let view = camera.target - camera.eye;
         let (forward, distance) = normalize(view.to_array());
         if camera.target == camera.eye {
             let [x, y, z] = camera.eye.to_array();
-            return refuse(
-                "target",
-                format!("eye and target are the same point, [{x}, {y}, {z}]"),
-            );
+            return refuse("target", format!("the same point as eye, [{x}, {y}, {z}]"));
         }
         if !view.length_squared().is_normal() {
             let message = format!("the distance {distance:e} from the eye is out of range");
@@ -224,7 +214,7 @@ impl<'a> Reader<'a> {
             .length();
         if sine.is_nan() || sine < LEAST_SINE {
             let [x, y, z] = camera.up.to_array();
-            let message = format!("up [{x}, {y}, {z}] is parallel to the view from eye to target");
+            let message = format!("[{x}, {y}, {z}] is parallel to the view from eye to target");
             return refuse("up", message);
         }
         Ok(())
@@ -239,6 +229,30 @@ impl<'a> Reader<'a> {
         };
         self.note(None, message);
     }
+}
+
+/// What `[camera]` says; `camera` has the rest.
+#[derive(Default)]
+struct View {
+    eye: Option<DVec3>,
+    target: Option<DVec3>,
+    near: Option<f64>,
+    camera: Camera,
+}
+
+fn view(section: &Section<'_>) -> Result<View, Error> {
+    let camera = Camera {
+        up: section.direction("up")?.unwrap_or(DVec3::Y),
+        far: section.number("far")?,
+        projection: projection(section)?,
+        ..Camera::default()
+    };
+    Ok(View {
+        eye: section.vector("eye")?,
+        target: section.vector("target")?,
+        near: section.number("near")?,
+        camera,
+    })
 }
 
 fn projection(section: &Section<'_>) -> Result<Projection, Error> {
@@ -275,8 +289,8 @@ fn snap(section: &Section<'_>) -> Result<Option<Snap>, Error> {
         return Ok(None);
     };
     match &node.value {
-        Value::Integer(digits, 10) if digits == "8" => Ok(Some(Snap::Bits8)),
-        Value::Integer(digits, 10) if digits == "12" => Ok(Some(Snap::Bits12)),
+        Value::Integer(8) => Ok(Some(Snap::Bits8)),
+        Value::Integer(12) => Ok(Some(Snap::Bits12)),
         Value::Text(text) if text == "exact" => Err(unsupported(
             section.document,
             node,

@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
 
 fn scale(step: &Section<'_>, node: &Node) -> Result<DVec3, Error> {
     let factors = match &node.value {
-        Value::Integer(..) | Value::Float(_) => {
+        Value::Integer(_) | Value::Float(_) => {
             DVec3::splat(step.number_of("scale", node, Range::Any)?)
         }
         _ => {

@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::scan::{Attributes, NONE, Scan};
+use super::smooth::{Smoothed, group};
 use crate::error::{Error, Note};
 use crate::import::polygon;
 use crate::math::float::normalize;
@@ -71,7 +72,10 @@ pub(super) fn build(
 }
 
 /// Calls with the run number, the attributes and the corners (a range) of each face.
-fn for_each_face(scan: &Scan, mut call: impl FnMut(usize, Attributes, std::ops::Range<usize>)) {
+pub(super) fn for_each_face(
+    scan: &Scan,
+    mut call: impl FnMut(usize, Attributes, std::ops::Range<usize>),
+) {
     let mut first = 0;
     for (number, run) in scan.runs.iter().enumerate() {
         let next = scan.runs.get(number + 1);
@@ -136,80 +140,6 @@ fn settle_normals(scan: &mut Scan, smooth: Option<bool>, notes: &mut Vec<Note>) 
             place: None,
             message,
         });
-    }
-}
-
-fn group(attributes: Attributes, smooth: Option<bool>) -> u32 {
-    match smooth {
-        Some(true) => 1,
-        Some(false) => 0,
-        None => attributes.smoothing,
-    }
-}
-
-/// Normals of smoothing groups: a chain of (group, sum) for each position.
-struct Smoothed {
-    heads: Vec<u32>,
-    links: Vec<(u32, u32, DVec3)>,
-}
-
-impl Smoothed {
-    fn new(scan: &Scan, smooth: Option<bool>) -> Self {
-        let any = match smooth {
-            Some(on) => on,
-            None => scan.runs.iter().any(|run| run.attributes.smoothing != 0),
-        };
-        let mut smoothed = Self {
-            heads: Vec::new(),
-            links: Vec::new(),
-        };
-        if !any {
-            return smoothed;
-        }
-        smoothed.heads = vec![NONE; scan.positions.len()];
-        for_each_face(scan, |_, attributes, corners| {
-            let group = group(attributes, smooth);
-            if group == 0 {
-                return;
-            }
-            let face = &scan.corners[corners];
-            let area = polygon::area_vector(face.iter().map(|v| scan.positions[*v as usize]));
-            for v in face {
-                smoothed.add(*v, group, area);
-            }
-        });
-        for link in &mut smoothed.links {
-            link.2 = DVec3::from_array(normalize(link.2.to_array()).0);
-        }
-        smoothed
-    }
-
-    fn find(&self, position: u32, group: u32) -> Option<usize> {
-        let mut at = self.heads[position as usize];
-        while at != NONE {
-            let (g, next, _) = self.links[at as usize];
-            if g == group {
-                return Some(at as usize);
-            }
-            at = next;
-        }
-        None
-    }
-
-    fn add(&mut self, position: u32, group: u32, area: DVec3) {
-        match self.find(position, group) {
-            Some(link) => self.links[link].2 += area,
-            None => {
-                let head = &mut self.heads[position as usize];
-                self.links.push((group, *head, area));
-                *head = self.links.len() as u32 - 1;
-            }
-        }
-    }
-
-    fn normal(&self, position: u32, group: u32) -> DVec3 {
-        self.find(position, group)
-            .map_or(DVec3::ZERO, |link| self.links[link].2)
     }
 }
 
@@ -366,49 +296,57 @@ impl Builder<'_> {
             .copied()
             .unwrap_or(NONE);
         let origin = self.origin(attributes, corner);
-        let has_normals = self.parts[part as usize].has_normals;
-        let own = has_normals && origin == Origin::None;
-        let mut at = if own {
-            NONE
-        } else {
-            self.heads[position as usize]
-        };
-        while at != NONE {
-            let v = &self.vertices[at as usize];
-            if v.part == part && v.texcoord == texcoord && v.origin == origin {
-                return v.number;
-            }
-            at = v.next;
+        // A flat corner beside smooth ones has a vertex of its own: no other has its normal.
+        let own = self.parts[part as usize].has_normals && origin == Origin::None;
+        if !own && let Some(number) = self.find(part, position, texcoord, origin) {
+            return number;
         }
         let normal = match origin {
             Origin::File(normal) => scan.normals[normal as usize],
             Origin::Group(group) => self.smoothed.normal(position, group),
             Origin::None => face_normal,
         };
-        let target = &mut self.parts[part as usize];
-        let number = target.mesh.positions.len() as u32;
-        target
-            .mesh
-            .positions
-            .push(scan.positions[position as usize]);
-        if has_normals {
-            target.mesh.normals.push(normal);
-        }
-        target.has_texcoords |= texcoord != NONE;
-        if !scan.corner_texcoords.is_empty() {
-            let texcoord = scan.texcoords.get(texcoord as usize).copied();
-            target.mesh.texcoords.push(texcoord.unwrap_or(DVec2::ZERO));
-        }
+        let number = self.push(part, position, texcoord, normal);
         if !own {
+            let next = self.heads[position as usize];
+            self.heads[position as usize] = self.vertices.len() as u32;
             self.vertices.push(Vertex {
-                next: self.heads[position as usize],
+                next,
                 part,
                 texcoord,
                 origin,
                 number,
             });
-            self.heads[position as usize] = self.vertices.len() as u32 - 1;
         }
         number
+    }
+
+    /// The part's vertex of this position, texture coordinate and origin.
+    fn find(&self, part: u32, position: u32, texcoord: u32, origin: Origin) -> Option<u32> {
+        let mut at = self.heads[position as usize];
+        while at != NONE {
+            let v = &self.vertices[at as usize];
+            if v.part == part && v.texcoord == texcoord && v.origin == origin {
+                return Some(v.number);
+            }
+            at = v.next;
+        }
+        None
+    }
+
+    /// Adds a vertex to a part's mesh.
+    fn push(&mut self, part: u32, position: u32, texcoord: u32, normal: DVec3) -> u32 {
+        let scan = self.scan;
+        let part = &mut self.parts[part as usize];
+        part.mesh.positions.push(scan.positions[position as usize]);
+        if part.has_normals {
+            part.mesh.normals.push(normal);
+        }
+        part.has_texcoords |= texcoord != NONE;
+        if !scan.corner_texcoords.is_empty() {
+            let texcoord = scan.texcoords.get(texcoord as usize).copied();
+            part.mesh.texcoords.push(texcoord.unwrap_or(DVec2::ZERO));
+        }
+        part.mesh.positions.len() as u32 - 1
     }
 }

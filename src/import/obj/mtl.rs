@@ -18,7 +18,7 @@
 
 use std::ops::Range;
 
-use super::scan::{Words, line_end, place};
+use super::words::{Words, line_end, place};
 use crate::error::{Error, Note};
 use crate::math::color::Rgb;
 use crate::scene::{Fresnel, Material, Optics};

@@ -6,7 +6,8 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::error::{Error, Note, Place};
+use super::words::{Words, line_end, place};
+use crate::error::{Error, Note};
 use crate::import::polygon;
 use crate::math::{DVec2, DVec3};
 
@@ -14,7 +15,7 @@ use crate::math::{DVec2, DVec3};
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Statements that draw nothing here: points, lines, free-form curves and surfaces, display attributes.
-const DROPPED: [&str; 34] = [
+pub(super) const DROPPED: [&str; 34] = [
     "p",
     "l",
     "vp",
@@ -55,7 +56,7 @@ const DROPPED: [&str; 34] = [
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
     pub(super) end: u32,
-    line: u32,
+    pub(super) line: u32,
 }
 
 /// What holds from a face on.
@@ -116,7 +117,7 @@ pub(super) struct Scan {
     pub(super) libraries: Vec<(String, Range<usize>)>,
     pub(super) notes: Vec<Note>,
     /// Statements that were dropped: keyword, count, first place.
-    dropped: Vec<(String, usize, Range<usize>)>,
+    pub(super) dropped: Vec<(String, usize, Range<usize>)>,
 }
 
 /// Scans a file.
@@ -160,119 +161,20 @@ pub(super) fn scan(file: &str, bytes: &[u8]) -> Result<Scan, Error> {
     scanner.finish()
 }
 
-/// The end of the logical line that starts at `start`: a line feed without a `\` before it, or the file's end.
-pub(super) fn line_end(bytes: &[u8], start: usize) -> usize {
-    let mut from = start;
-    loop {
-        let Some(length) = bytes[from..].iter().position(|b| *b == b'\n') else {
-            return bytes.len();
-        };
-        let end = from + length;
-        let line = bytes[start..end]
-            .strip_suffix(b"\r")
-            .unwrap_or(&bytes[start..end]);
-        if !line.ends_with(b"\\") {
-            return end;
-        }
-        from = end + 1;
-    }
-}
-
-/// The words of a logical line, as byte ranges of the file.
-pub(super) struct Words<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    end: usize,
-}
-
-impl<'a> Words<'a> {
-    pub(super) fn new(bytes: &'a [u8], line: Range<usize>) -> Self {
-        Self {
-            bytes,
-            at: line.start,
-            end: line.end,
-        }
-    }
-
-    fn is_blank(&self, at: usize) -> bool {
-        let b = self.bytes[at];
-        b.is_ascii_whitespace() || b == 0x0b || b == b'\\' && self.continues(at)
-    }
-
-    /// Whether the `\` at a byte is followed by the line's end.
-    fn continues(&self, at: usize) -> bool {
-        let rest = &self.bytes[at + 1..self.end];
-        rest.is_empty() || rest.starts_with(b"\n") || rest.starts_with(b"\r")
-    }
-
-    /// The rest of the line without blanks at its ends.
-    pub(super) fn rest(&self) -> Range<usize> {
-        let (mut start, mut end) = (self.at, self.end);
-        while start < end && self.is_blank(start) {
-            start += 1;
-        }
-        while end > start && self.is_blank(end - 1) {
-            end -= 1;
-        }
-        start..end
-    }
-}
-
-impl Iterator for Words<'_> {
-    type Item = Range<usize>;
-
-    fn next(&mut self) -> Option<Range<usize>> {
-        while self.at < self.end && self.is_blank(self.at) {
-            self.at += 1;
-        }
-        // A comment ends the line.
-        if self.at >= self.end || self.bytes[self.at] == b'#' {
-            self.at = self.end;
-            return None;
-        }
-        let start = self.at;
-        while self.at < self.end && !self.is_blank(self.at) {
-            self.at += 1;
-        }
-        Some(start..self.at)
-    }
-}
-
-/// The place of a byte range of a file that need not be UTF-8.
-pub(super) fn place(file: &str, bytes: &[u8], span: Range<usize>) -> Place {
-    let start = span.start.min(bytes.len());
-    let line_start = bytes[..start]
-        .iter()
-        .rposition(|b| *b == b'\n')
-        .map_or(0, |i| i + 1);
-    let line_end = bytes[start..]
-        .iter()
-        .position(|b| *b == b'\n')
-        .map_or(bytes.len(), |i| start + i);
-    let end = span.end.clamp(start, line_end);
-    let text = |range: Range<usize>| String::from_utf8_lossy(&bytes[range]).into_owned();
-    Place {
-        file: file.to_owned(),
-        line: bytes[..line_start].iter().filter(|b| **b == b'\n').count() + 1,
-        column: text(line_start..start).chars().count() + 1,
-        length: text(start..end).chars().count().max(1),
-        text: text(line_start..line_end).trim_end_matches('\r').to_owned(),
-    }
-}
-
-struct Scanner<'a> {
-    file: &'a str,
-    bytes: &'a [u8],
+/// A scan under way.
+pub(super) struct Scanner<'a> {
+    pub(super) file: &'a str,
+    pub(super) bytes: &'a [u8],
     now: Attributes,
-    scan: Scan,
+    pub(super) scan: Scan,
 }
 
 impl Scanner<'_> {
-    fn text(&self, span: &Range<usize>) -> String {
+    pub(super) fn text(&self, span: &Range<usize>) -> String {
         String::from_utf8_lossy(&self.bytes[span.clone()]).into_owned()
     }
 
-    fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+    pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
         Error::input(place(self.file, self.bytes, span), message)
     }
 
@@ -294,19 +196,8 @@ impl Scanner<'_> {
                 self.scan.texcoords.push(DVec2::from_array(texcoord));
                 Ok(())
             }
-            b"usemtl" => {
-                let name = self.text(&words.rest());
-                self.now.material = self.scan.materials.number(name);
-                Ok(())
-            }
-            b"o" => {
-                let name = self.text(&words.rest());
-                self.now.object = self.scan.objects.number(name);
-                Ok(())
-            }
-            b"g" => {
-                let name = self.text(&words.rest());
-                self.now.group = self.scan.groups.number(name);
+            b"usemtl" | b"o" | b"g" => {
+                self.name(keyword, &words.rest());
                 Ok(())
             }
             b"s" => self.smoothing(keyword, words),
@@ -320,6 +211,17 @@ impl Scanner<'_> {
                 self.drop(keyword);
                 Ok(())
             }
+        }
+    }
+
+    /// `usemtl`, `o` or `g`: names run to the end of the line.
+    fn name(&mut self, keyword: Range<usize>, rest: &Range<usize>) {
+        let name = self.text(rest);
+        let (scan, now) = (&mut self.scan, &mut self.now);
+        match self.bytes[keyword.start] {
+            b'u' => now.material = scan.materials.number(name),
+            b'o' => now.object = scan.objects.number(name),
+            _ => now.group = scan.groups.number(name),
         }
     }
 
@@ -489,102 +391,6 @@ impl Scanner<'_> {
             scan.corner_normals.push(normal);
         }
         Ok(())
-    }
-
-    fn corner_error(&self, word: Range<usize>) -> Error {
-        let text = self.text(&word);
-        let scan = &self.scan;
-        let lists = [
-            ("vertex", scan.positions.len()),
-            ("texture coordinate", scan.texcoords.len()),
-            ("normal", scan.normals.len()),
-        ];
-        for (part, (name, count)) in text.split('/').zip(lists) {
-            let message = match part.parse::<i64>() {
-                Ok(0) => format!("{name} 0: indices count from 1"),
-                Ok(i) if i < 0 => format!("{name} {i}: there are only {count} so far"),
-                Ok(i) if i >= i64::from(NONE) => format!("{name} {i} is out of range"),
-                _ => continue,
-            };
-            return self.error(word, message);
-        }
-        let message = format!("expected a corner v, v/vt, v//vn or v/vt/vn, found `{text}`");
-        self.error(word, message)
-    }
-
-    fn finish(mut self) -> Result<Scan, Error> {
-        if self.scan.faces.is_empty() {
-            return Err(self.no_face());
-        }
-        self.check_indices()?;
-        for (name, count, span) in std::mem::take(&mut self.scan.dropped) {
-            let known = DROPPED.contains(&name.as_str());
-            let what = if known {
-                "is not drawn"
-            } else {
-                "is no OBJ statement"
-            };
-            let message = match count {
-                1 => format!("`{name}` {what}: dropped"),
-                _ => format!("`{name}` {what}: dropped {count} times"),
-            };
-            self.scan.notes.push(Note {
-                place: Some(place(self.file, self.bytes, span)),
-                message,
-            });
-        }
-        Ok(self.scan)
-    }
-
-    /// The file draws nothing: what to say depends on what it holds instead.
-    fn no_face(&self) -> Error {
-        let strange = self
-            .scan
-            .dropped
-            .iter()
-            .find(|d| !DROPPED.contains(&d.0.as_str()));
-        match strange {
-            Some((name, _, span)) if self.scan.positions.is_empty() => {
-                let message =
-                    format!("expected an OBJ statement (v, vt, vn, f, ...), found `{name}`");
-                self.error(span.clone(), message)
-            }
-            _ => Error::input(Place::file(self.file), "the mesh has no face"),
-        }
-    }
-
-    fn check_indices(&self) -> Result<(), Error> {
-        let scan = &self.scan;
-        let lists: [(&str, &[u32], usize); 3] = [
-            ("vertex", &scan.corners, scan.positions.len()),
-            (
-                "texture coordinate",
-                &scan.corner_texcoords,
-                scan.texcoords.len(),
-            ),
-            ("normal", &scan.corner_normals, scan.normals.len()),
-        ];
-        for (name, indices, count) in lists {
-            let beyond = |i: &u32| *i != NONE && *i as usize >= count;
-            if let Some(corner) = indices.iter().position(beyond) {
-                let message = format!(
-                    "{name} {}: there are only {count}",
-                    u64::from(indices[corner]) + 1
-                );
-                return Err(self.error(self.corner_span(corner), message));
-            }
-        }
-        Ok(())
-    }
-
-    /// Where a corner stands: its face's line is read again.
-    fn corner_span(&self, corner: usize) -> Range<usize> {
-        let faces = &self.scan.faces;
-        let face = faces.partition_point(|f| f.end as usize <= corner);
-        let first = face.checked_sub(1).map_or(0, |f| faces[f].end as usize);
-        let start = faces[face].line as usize;
-        let mut words = Words::new(self.bytes, start..line_end(self.bytes, start));
-        words.nth(corner - first + 1).unwrap_or(start..start + 1)
     }
 }
 

@@ -1,0 +1,171 @@
+//! What a tile's rays add up to: one sample of every pixel, then the mean over samples, with or without layers.
+//!
+//! Sums (DESIGN 1 "Colour"): a secondary hit adds weight x term, in the order of the layers, to the layer of its first
+//! bounce; a miss adds weight x background. In `R`, or in f64 rounded once where some colour is negative (`signed`). The
+//! picture is the sum of the layers in their order; single terms are kept only where somebody needs them.
+
+use super::tile::TileFrame;
+use crate::frame::{LayerIndex, remainder, sum_in_order};
+use crate::lanes::Real;
+use crate::sampling;
+
+/// The sums of one sample of every pixel.
+pub(super) struct Sums<R> {
+    /// Local light, added up: used where no single terms are kept.
+    pub(super) local: Vec<[R; 3]>,
+    /// Local light term by term: used otherwise.
+    pub(super) terms: Vec<Vec<[R; 3]>>,
+    /// Reflection and refraction. Values of `R`, or of f64 where colours are signed.
+    bounced: [Vec<[f64; 3]>; 2],
+    /// Secondary rays of each pixel.
+    pub(super) rays: Vec<u32>,
+    signed: bool,
+}
+
+impl<R: Real> Sums<R> {
+    /// Nothing yet. Single terms are kept for layers, and where signed colours make their order of rounding matter.
+    pub(super) fn new(pixels: usize, index: LayerIndex, layers: bool, signed: bool) -> Self {
+        let terms = if layers || signed { index.local() } else { 0 };
+        let black = || vec![[R::ZERO; 3]; pixels];
+        Self {
+            local: black(),
+            terms: (0..terms).map(|_| black()).collect(),
+            bounced: [vec![[0.0; 3]; pixels], vec![[0.0; 3]; pixels]],
+            rays: vec![0; pixels],
+            signed,
+        }
+    }
+
+    /// Whether single terms are kept.
+    pub(super) fn recording(&self) -> bool {
+        !self.terms.is_empty()
+    }
+
+    /// Back to +0.
+    pub(super) fn clear(&mut self) {
+        self.local.fill([R::ZERO; 3]);
+        for term in &mut self.terms {
+            term.fill([R::ZERO; 3]);
+        }
+        for bounced in &mut self.bounced {
+            bounced.fill([0.0; 3]);
+        }
+        self.rays.fill(0);
+    }
+
+    /// Adds weight x value to reflection (0) or refraction (1) of a pixel.
+    pub(super) fn add(&mut self, layer: usize, pixel: usize, weight: [f64; 3], value: [R; 3]) {
+        let sum = &mut self.bounced[layer][pixel];
+        for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
+            *s = if self.signed {
+                *s + w * x.to_f64()
+            } else {
+                (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
+            };
+        }
+    }
+
+    /// The colour of a pixel's sample, and the bounced layers as they count in it.
+    fn color(&self, pixel: usize) -> ([R; 3], [[R; 3]; 2]) {
+        let bounced = [0, 1].map(|k| self.bounced[k][pixel].map(R::from_f64));
+        let color = if self.recording() {
+            let local = self.terms.iter().map(|term| term[pixel]);
+            sum_in_order(local.chain(bounced), self.signed)
+        } else {
+            let local = self.local[pixel];
+            [0, 1, 2].map(|c| (local[c] + bounced[0][c]) + bounced[1][c])
+        };
+        (color, bounced)
+    }
+}
+
+/// The mean over samples: summed in f64 in sample order, rounded once; one sample is passed on as it is.
+pub(super) struct Mean {
+    samples: u32,
+    color: Vec<[f64; 3]>,
+    layers: Vec<Vec<[f64; 3]>>,
+}
+
+impl Mean {
+    /// For a number of samples of a tile's pixels.
+    pub(super) fn new<R: Real>(out: &TileFrame<R>, samples: u32) -> Self {
+        let pixels = if samples == 1 { 0 } else { out.color.len() };
+        let zero = || vec![[0.0; 3]; pixels];
+        Self {
+            samples,
+            color: zero(),
+            layers: out.layers.iter().map(|_| zero()).collect(),
+        }
+    }
+
+    /// Takes one sample of every pixel.
+    pub(super) fn add<R: Real>(&mut self, sums: &Sums<R>, out: &mut TileFrame<R>) {
+        for pixel in 0..out.color.len() {
+            let (color, bounced) = sums.color(pixel);
+            if self.samples == 1 {
+                out.color[pixel] = color;
+            } else {
+                add_to(&mut self.color[pixel], color);
+            }
+            if out.layers.is_empty() {
+                continue;
+            }
+            let local = sums.terms.iter().map(|term| term[pixel]);
+            for (k, value) in local.chain(bounced).enumerate() {
+                if self.samples == 1 {
+                    out.layers[k][pixel] = value;
+                } else {
+                    add_to(&mut self.layers[k][pixel], value);
+                }
+            }
+        }
+    }
+
+    /// Leaves the means, and the remainder layer that closes their sum.
+    pub(super) fn finish<R: Real>(self, out: &mut TileFrame<R>, signed: bool) {
+        if self.samples == 1 {
+            return;
+        }
+        for (color, sum) in out.color.iter_mut().zip(self.color) {
+            *color = sampling::resolve(sum, self.samples);
+        }
+        let Some((rest, named)) = out.layers.split_last_mut() else {
+            return;
+        };
+        for (layer, sums) in named.iter_mut().zip(&self.layers) {
+            for (value, sum) in layer.iter_mut().zip(sums) {
+                *value = sampling::resolve(*sum, self.samples);
+            }
+        }
+        for (pixel, rest) in rest.iter_mut().enumerate() {
+            let layers = named.iter().map(|layer| layer[pixel]);
+            *rest = closing(out.color[pixel], layers, signed);
+        }
+    }
+}
+
+fn add_to<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
+    for (s, x) in sum.iter_mut().zip(value) {
+        *s += x.to_f64();
+    }
+}
+
+/// The remainder layer's value: added last, it makes the sum of the layers the picture, bit for bit.
+fn closing<R: Real>(color: [R; 3], layers: impl Iterator<Item = [R; 3]>, signed: bool) -> [R; 3] {
+    if !signed {
+        let sum = sum_in_order(layers, false);
+        return [0, 1, 2].map(|c| remainder(color[c], sum[c]));
+    }
+    let mut sum = [0.0; 3];
+    for layer in layers {
+        add_to(&mut sum, layer);
+    }
+    [0, 1, 2].map(|c| {
+        let guess = R::from_f64(color[c].to_f64() - sum[c]);
+        let closes = |x: &R| R::from_f64(sum[c] + x.to_f64()) == color[c];
+        [guess, guess.next_up(), guess.next_down()]
+            .into_iter()
+            .find(closes)
+            .unwrap_or(guess)
+    })
+}

@@ -1,0 +1,85 @@
+//! Damaged files: any answer will do, but no panic, and every caret inside its line.
+
+use proptest::prelude::*;
+use rastray::import::shipped;
+
+use super::{failure, load_files};
+
+/// Changes some bytes: replaces, doubles or removes short ranges.
+fn damage(bytes: &[u8], edits: &[(usize, u8, u8)]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for (at, kind, byte) in edits {
+        let at = at % bytes.len().max(1);
+        let end = (at + usize::from(*byte) % 9 + 1).min(bytes.len());
+        match kind % 4 {
+            0 if at < bytes.len() => bytes[at] = *byte,
+            1 => bytes.insert(at, *byte),
+            2 => {
+                let copy = bytes[at..end].to_vec();
+                bytes.splice(at..at, copy);
+            }
+            _ => {
+                bytes.drain(at..end);
+            }
+        }
+    }
+    bytes
+}
+
+/// Mostly characters that mean something in these files.
+fn edits() -> impl Strategy<Value = Vec<(usize, u8, u8)>> {
+    let byte = prop_oneof![
+        3 => proptest::sample::select(b"0123456789.-+e[]{}=\"'#\n\r\\ ,/fvsnt".to_vec()),
+        1 => any::<u8>(),
+    ];
+    proptest::collection::vec((any::<usize>(), any::<u8>(), byte), 1..6)
+}
+
+const OBJ: &str = include_str!("damaged.obj");
+const MTL: &str = "newmtl a\nKa 0.1 0.2 0.3\nKd 1 # grey\nKs .5 .5 .5\nNs 10\nNi 1.5\nd 0.5\nTf 1 1 1\nillum 7\nnewmtl b\nmap_Kd -s 1 1 x.png\nTr 0.1\nillum 4\n";
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_scenes_never_panic(scene in 0..shipped().len(), edits in edits()) {
+        let bytes = damage(shipped()[scene].text.as_bytes(), &edits);
+        let result = load_files(&[("a.toml", &bytes), ("vase.obj", OBJ.as_bytes())], &[]);
+        if result.is_err() {
+            failure(result);
+        }
+    }
+
+    #[test]
+    fn damaged_meshes_never_panic(mesh in edits(), library in edits()) {
+        let (obj, mtl) = (damage(OBJ.as_bytes(), &mesh), damage(MTL.as_bytes(), &library));
+        let result = load_files(&[("a.obj", &obj), ("x.mtl", &mtl)], &[]);
+        match result {
+            Err(_) => {
+                failure(result);
+            }
+            Ok(imported) => {
+                for object in &imported.scene.objects {
+                    prop_assert!(object.materials.iter().all(|m| *m < imported.scene.materials.len()));
+                    let rastray::scene::Geometry::Mesh(mesh) = &object.geometry else { continue };
+                    let count = mesh.positions.len() as u32;
+                    prop_assert!(mesh.triangles.iter().flatten().all(|v| *v < count));
+                    prop_assert!(mesh.normals.is_empty() || mesh.normals.len() == mesh.positions.len());
+                    prop_assert!(mesh.texcoords.is_empty() || mesh.texcoords.len() == mesh.positions.len());
+                    prop_assert!(mesh.normals.iter().all(|n| n.is_finite()));
+                }
+                let camera = &imported.scene.camera;
+                prop_assert!(camera.eye.is_finite() && camera.near > 0.0 && camera.near.is_finite());
+                prop_assert!(camera.eye_from_world_rotation().is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn overrides_never_panic(set in "[a-z.=\\[\\]\"{} 0-9]{0,40}") {
+        let result = load_files(&[("a.toml", shipped()[0].text.as_bytes())], &[&set]);
+        if result.is_err() {
+            failure(result);
+        }
+    }
+}
