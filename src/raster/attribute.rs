@@ -23,32 +23,39 @@ pub(super) struct Weights {
 impl Weights {
     /// Prepares a triangle of homogeneous corners (x, y, w).
     pub(super) fn new(corners: [[f64; 3]; 3]) -> Self {
-        let largest = corners.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let mut largest = 0.0f64;
+        for h in &corners {
+            largest = largest.max(h[0].abs()).max(h[1].abs()).max(h[2].abs());
+        }
         let (down, _) = largest.power_of_two_scale();
-        let corner = corners.map(|h| h.map(|x| x * down));
+        let [a, b, c] = corners;
+        let scaled = |h: [f64; 3]| [h[0] * down, h[1] * down, h[2] * down];
+        let corner = [scaled(a), scaled(b), scaled(c)];
         let [a, b, c] = corner;
-        let side = [cross(b, c), cross(c, a), cross(a, b)];
-        let inside = dot(side[0], a);
-        let side = if inside < 0.0 {
-            side.map(|n| n.map(|x| -x))
+        let first = cross(b, c);
+        let side = if dot(first, a) >= 0.0 {
+            [first, cross(c, a), cross(a, b)]
         } else {
-            side
+            [cross(c, b), cross(a, c), cross(b, a)]
         };
         Self { corner, side }
     }
 
     /// Weights at a ray, finite, sum 1 within rounding; none negative.
+    #[inline]
     pub(super) fn at(&self, ray: [f64; 2]) -> [f64; 3] {
         let e = self.edges(ray);
         let sum = e[0] + e[1] + e[2];
-        if e.iter().all(|x| *x >= 0.0) && sum > 0.0 && sum < f64::INFINITY {
-            return e.map(|x| x / sum);
+        let inside = e[0] >= 0.0 && e[1] >= 0.0 && e[2] >= 0.0;
+        if inside && sum > 0.0 && sum < f64::INFINITY {
+            return [e[0] / sum, e[1] / sum, e[2] / sum];
         }
         self.nearest(ray, e)
     }
 
     /// [`Weights::at`] held to `near <= distance <= far`, for corners at these distances: a sample that only the snapping of
     /// a clipped side gave to the triangle moves to that side.
+    #[inline]
     pub(super) fn between(
         &self,
         ray: [f64; 2],
@@ -87,8 +94,14 @@ impl Weights {
         b.iter().all(|x| x.is_finite()).then_some(b)
     }
 
+    #[inline(always)]
     fn edges(&self, [x, y]: [f64; 2]) -> [f64; 3] {
-        self.side.map(|n| n[0] * x + n[1] * y + n[2])
+        let [p, q, r] = &self.side;
+        [
+            p[0] * x + p[1] * y + p[2],
+            q[0] * x + q[1] * y + q[2],
+            r[0] * x + r[1] * y + r[2],
+        ]
     }
 
     /// Weights of the nearest place of the outline in the picture.
@@ -128,23 +141,29 @@ impl Weights {
 /// good where one is huge and hardly counts.
 #[inline(always)]
 pub(super) fn mix<R: Real>(b: [f64; 3], c: [R; 3]) -> f64 {
-    let c = c.map(Real::to_f64);
-    let from = |i: usize, j: usize, k: usize| c[i] + b[j] * (c[j] - c[i]) + b[k] * (c[k] - c[i]);
+    let [c0, c1, c2] = [c[0].to_f64(), c[1].to_f64(), c[2].to_f64()];
     if b[0] >= b[1] && b[0] >= b[2] {
-        from(0, 1, 2)
+        c0 + b[1] * (c1 - c0) + b[2] * (c2 - c0)
     } else if b[1] >= b[2] {
-        from(1, 2, 0)
+        c1 + b[2] * (c2 - c1) + b[0] * (c0 - c1)
     } else {
-        from(2, 0, 1)
+        c2 + b[0] * (c0 - c2) + b[1] * (c1 - c2)
     }
 }
 
 /// [`mix`] of each of three components, rounded once.
 #[inline(always)]
 pub(super) fn mix3<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
-    [0, 1, 2].map(|k| R::from_f64(mix(b, [c[0][k], c[1][k], c[2][k]])))
+    // Written out: closures given to array::map are not inlined here.
+    let [p, q, r] = c;
+    [
+        R::from_f64(mix(b, [p[0], q[0], r[0]])),
+        R::from_f64(mix(b, [p[1], q[1], r[1]])),
+        R::from_f64(mix(b, [p[2], q[2], r[2]])),
+    ]
 }
 
+#[inline(always)]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],

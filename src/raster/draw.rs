@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::lit::Mode;
 use super::setup::{TILE, TileArea};
-use super::shade::{Pass, Sums, Workspace};
+use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
 use super::{Counters, Options, Plan};
 use crate::frame::{Frame, LayerIndex, NONE, remainder, sum_in_order};
@@ -56,13 +56,113 @@ pub(super) struct Drawer<'a, 's, R> {
     rays: RayTables,
 }
 
-/// The rows of a frame that one row of tiles fills.
-struct Band<'f, R> {
-    color: &'f mut [[R; 3]],
-    depth: &'f mut [R],
-    primitive: &'f mut [u32],
-    object: &'f mut [u32],
-    layers: Vec<&'f mut [[R; 3]]>,
+/// A part of a frame: the rows that one row of tiles fills, or the rows of one tile.
+struct Part<P, D, N> {
+    color: P,
+    depth: D,
+    primitive: N,
+    object: N,
+    layers: Vec<P>,
+}
+
+/// The rows of a row of tiles, whole.
+type Band<'f, R> = Part<&'f mut [[R; 3]], &'f mut [R], &'f mut [u32]>;
+
+/// The rows of a tile, one slice each.
+type Rows<'f, R> = Part<Vec<&'f mut [[R; 3]]>, Vec<&'f mut [R]>, Vec<&'f mut [u32]>>;
+
+/// The rows of a band cut into the rows of its tiles.
+fn cut<'f, R>(band: Band<'f, R>, width: usize) -> Vec<Rows<'f, R>> {
+    let mut color = columns(band.color, width).into_iter();
+    let mut depth = columns(band.depth, width).into_iter();
+    let mut primitive = columns(band.primitive, width).into_iter();
+    let mut object = columns(band.object, width).into_iter();
+    let layers = band
+        .layers
+        .into_iter()
+        .map(|l| columns(l, width).into_iter());
+    let mut layers: Vec<_> = layers.collect();
+    let mut tiles = Vec::with_capacity(width.div_ceil(TILE));
+    while let (Some(color), Some(depth), Some(primitive), Some(object)) =
+        (color.next(), depth.next(), primitive.next(), object.next())
+    {
+        tiles.push(Part {
+            color,
+            depth,
+            primitive,
+            object,
+            layers: layers.iter_mut().filter_map(Iterator::next).collect(),
+        });
+    }
+    tiles
+}
+
+/// The rows of each tile of a band of rows.
+fn columns<T>(band: &mut [T], width: usize) -> Vec<Vec<&mut [T]>> {
+    let rows = band.len() / width;
+    let mut tiles: Vec<Vec<&mut [T]>> = (0..width.div_ceil(TILE))
+        .map(|_| Vec::with_capacity(rows))
+        .collect();
+    for row in band.chunks_mut(width) {
+        for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(TILE)) {
+            tile.push(part);
+        }
+    }
+    tiles
+}
+
+/// Sums in f64 over the samples of a tile, row-major with stride [`TILE`].
+#[derive(Default)]
+struct Sums {
+    color: Vec<[f64; 3]>,
+    plain: Vec<[f64; 3]>,
+    layers: Vec<Vec<[f64; 3]>>,
+}
+
+impl Sums {
+    /// Adds a sample, or starts with it.
+    fn add<R: Real>(&mut self, shown: &Shown<R>, first: bool) {
+        add(&mut self.color, &shown.color, first);
+        add(&mut self.plain, &shown.plain, first);
+        self.layers.resize_with(shown.layers.len(), Vec::new);
+        for (sum, layer) in self.layers.iter_mut().zip(&shown.layers) {
+            add(sum, layer, first);
+        }
+    }
+
+    /// The means, in the place of the last sample.
+    fn resolve<R: Real>(&self, shown: &mut Shown<R>, samples: u32) {
+        resolve(&self.color, &mut shown.color, samples);
+        resolve(&self.plain, &mut shown.plain, samples);
+        for (sum, layer) in self.layers.iter().zip(&mut shown.layers) {
+            resolve(sum, layer, samples);
+        }
+    }
+}
+
+fn add<R: Real>(sums: &mut Vec<[f64; 3]>, values: &[[R; 3]], first: bool) {
+    if first {
+        sums.clear();
+        sums.resize(values.len(), [0.0; 3]);
+    }
+    for (sum, value) in sums.iter_mut().zip(values) {
+        for (s, x) in sum.iter_mut().zip(value) {
+            *s += x.to_f64();
+        }
+    }
+}
+
+fn resolve<R: Real>(sums: &[[f64; 3]], values: &mut [[R; 3]], samples: u32) {
+    for (sum, value) in sums.iter().zip(values) {
+        *value = sampling::resolve(*sum, samples);
+    }
+}
+
+/// Memory of one worker, reused from tile to tile.
+struct Worker<R> {
+    workspace: Workspace<R>,
+    sums: Sums,
+    places: Places,
 }
 
 impl<'a, 's, R: Real> Drawer<'a, 's, R> {
@@ -86,7 +186,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
             .zip(frame.depth.data.chunks_mut(rows))
             .zip(frame.primitive.data.chunks_mut(rows))
             .zip(frame.object.data.chunks_mut(rows))
-            .map(|(((color, depth), primitive), object)| Band {
+            .map(|(((color, depth), primitive), object)| Part {
                 color,
                 depth,
                 primitive,
@@ -99,44 +199,43 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
                 band.layers.push(part);
             }
         }
-        let columns = self.plan.grid.columns();
-        let materials = self.plan.scene.materials.len();
-        let counters = bands.into_par_iter().enumerate().map(|(row, mut band)| {
-            let tiles: Vec<(Sums<R>, Counters)> = (0..columns)
-                .into_par_iter()
-                .map_init(
-                    || Workspace::new(materials),
-                    |workspace, column| self.tile(workspace, row * columns + column),
-                )
-                .collect();
-            let mut counters = Counters::default();
-            for (column, (sums, part)) in tiles.iter().enumerate() {
-                self.resolve(&mut band, row * columns + column, sums);
-                counters = counters.plus(part);
-            }
-            counters
+        let (columns, width) = (self.plan.grid.columns(), self.plan.grid.size[0]);
+        let worker = || Worker {
+            workspace: Workspace::new(self.mode, self.plan.scene.materials.len()),
+            sums: Sums::default(),
+            places: Places::default(),
+        };
+        let tiles = bands.into_par_iter().enumerate().flat_map(|(row, band)| {
+            let tiles = cut(band, width).into_par_iter().enumerate();
+            tiles.map(move |(column, rows)| (row * columns + column, rows))
+        });
+        let counters = tiles.map_init(worker, |worker, (index, rows)| {
+            self.tile(worker, index, rows)
         });
         // Integers: their sum does not depend on the order.
         counters.reduce(Counters::default, |a, b| a.plus(&b))
     }
 
     /// Draws the samples of one tile.
-    fn tile(&self, workspace: &mut Workspace<R>, index: usize) -> (Sums<R>, Counters) {
+    fn tile(&self, worker: &mut Worker<R>, index: usize, rows: Rows<'_, R>) -> Counters {
         let plan = self.plan;
         let area = plan.grid.tile(index);
-        let mut sums = Sums::new(self.mode);
         let mut counters = Counters::default();
-        let mut places = Places::default();
+        let Worker {
+            workspace,
+            sums,
+            places,
+        } = worker;
+        let count = plan.scene.image.samples;
         workspace.start_tile();
-        for sample in 0..plan.scene.image.samples {
-            let samples = self.samples(&mut places, &area, sample);
+        for sample in 0..count {
+            let samples = self.samples(places, &area, sample);
             workspace.visibility.clear();
-            for chunk in &plan.chunks {
+            for chunk in plan.chunks.iter().filter(|c| c.meets_tile(index)) {
                 for (record, v) in chunk.of_tile(index) {
                     let (bits, counters) = (plan.view.bits, &mut counters);
-                    workspace
-                        .visibility
-                        .draw(&area, &samples, bits, record, v, counters);
+                    let visibility = &mut workspace.visibility;
+                    visibility.draw(&area, &samples, bits, record, v, counters);
                 }
             }
             let pass = Pass {
@@ -147,9 +246,16 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
                 samples: &samples,
                 first: sample == 0,
             };
-            workspace.sample(&pass, &mut sums, &mut counters);
+            workspace.sample(&pass, &mut counters);
+            if count > 1 {
+                sums.add(&workspace.shown, sample == 0);
+            }
         }
-        (sums, counters)
+        if count > 1 {
+            sums.resolve(&mut workspace.shown, count);
+        }
+        self.write(rows, &workspace.shown);
+        counters
     }
 
     /// Where one sample of each pixel of a tile lies.
@@ -185,38 +291,48 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
         }
     }
 
-    /// Writes the means over a tile's samples into the frame.
-    fn resolve(&self, band: &mut Band<'_, R>, index: usize, sums: &Sums<R>) {
-        let plan = self.plan;
-        let area = plan.grid.tile(index);
-        let samples = plan.scene.image.samples;
-        let index = LayerIndex {
-            lights: plan.rig.light_count(),
-        };
-        for y in 0..area.size[1] {
-            for x in 0..area.size[0] {
-                let from = y * TILE + x;
-                let to = y * plan.grid.size[0] + area.corner[0] + x;
-                let color: [R; 3] = sampling::resolve(sums.color[from], samples);
-                band.color[to] = color;
-                band.depth[to] = sums.depth[from];
-                let primitive = sums.primitive[from];
-                band.primitive[to] = primitive;
-                if primitive != NONE {
-                    band.object[to] = plan.assembly.object[primitive as usize];
-                }
-                if sums.layers.is_empty() {
-                    continue;
-                }
-                for (layer, sum) in band.layers.iter_mut().zip(&sums.layers) {
-                    layer[to] = sampling::resolve(sum[from], samples);
-                }
-                let plain = match sums.plain.get(from) {
-                    Some(sum) => sampling::resolve(*sum, samples),
-                    None => color,
+    /// Writes a tile into its rows of the frame.
+    fn write(&self, mut rows: Rows<'_, R>, shown: &Shown<R>) {
+        let object = &self.plan.assembly.object;
+        let height = rows.color.len();
+        for y in 0..height {
+            let from = y * TILE..y * TILE + rows.color[y].len();
+            rows.color[y].copy_from_slice(&shown.color[from.clone()]);
+            rows.depth[y].copy_from_slice(&shown.depth[from.clone()]);
+            rows.primitive[y].copy_from_slice(&shown.primitive[from.clone()]);
+            for (to, primitive) in rows.object[y].iter_mut().zip(&shown.primitive[from]) {
+                *to = match *primitive {
+                    NONE => NONE,
+                    primitive => object[primitive as usize],
                 };
-                let values = band.layers[..index.remainder()].iter().map(|l| l[to]);
-                band.layers[index.remainder()][to] = close(plain, values, self.mode.signed);
+            }
+        }
+        if !shown.layers.is_empty() {
+            self.write_layers(&mut rows.layers, shown);
+        }
+    }
+
+    fn write_layers(&self, planes: &mut [Vec<&mut [[R; 3]]>], shown: &Shown<R>) {
+        let lights = self.plan.rig.light_count();
+        let last = LayerIndex { lights }.remainder();
+        let picture = if self.mode.keeps_plain() {
+            &shown.plain
+        } else {
+            &shown.color
+        };
+        for y in 0..planes[last].len() {
+            for x in 0..planes[last][y].len() {
+                let from = y * TILE + x;
+                for (plane, layer) in planes.iter_mut().zip(&shown.layers) {
+                    plane[y][x] = layer[from];
+                }
+                // Reflection and refraction are +0.
+                for plane in &mut planes[shown.layers.len()..last] {
+                    plane[y][x] = [R::ZERO; 3];
+                }
+                let values = planes[..last].iter().map(|plane| plane[y][x]);
+                let rest = close(picture[from], values, self.mode.signed);
+                planes[last][y][x] = rest;
             }
         }
     }

@@ -38,7 +38,7 @@ impl Edges {
     /// The edge functions of a triangle of positive area with this many sub-pixel bits, at a place in 1/256 px.
     pub(super) fn new(v: [[i64; 2]; 3], bits: u32, place: [i64; 2]) -> Self {
         let finer = bits - SAMPLE_BITS;
-        let place = place.map(|c| c << finer);
+        let place = [place[0] << finer, place[1] << finer];
         let small = |p: &[i64; 2]| p[0].abs() <= SMALL_UNITS && p[1].abs() <= SMALL_UNITS;
         let fits = v.iter().all(small) && small(&place);
         let mut edges = Self {

@@ -159,26 +159,40 @@ impl<'a, R: Real> Plan<'a, R> {
     /// [`Error::Parameter`] for a picture without pixels or samples, [`Error::Limit`] for one that is too large.
     pub fn draw(&self, options: &Options) -> Result<(Frame<R>, Counters), Error> {
         check_image(self.scene)?;
+        let mut frame = Frame::empty(self.grid.size[0], self.grid.size[1]);
+        let counters = self.draw_into(options, &mut frame)?;
+        Ok((frame, counters))
+    }
+
+    /// Draws the picture into a frame of an earlier draw, whose memory it reuses; a frame of another size is replaced.
+    ///
+    /// # Errors
+    /// As [`Plan::draw`].
+    pub fn draw_into(&self, options: &Options, frame: &mut Frame<R>) -> Result<Counters, Error> {
+        check_image(self.scene)?;
         let [width, height] = self.grid.size;
         let mode = Mode::new(self, options);
-        let mut frame = Frame::empty(width, height);
-        if options.layers {
-            let names = self.scene.light_names();
-            frame.layers = Some(Layers::zero(&names, width, height, mode.signed));
+        if (frame.color.width, frame.color.height) != (width, height) {
+            *frame = Frame::empty(width, height);
         }
-        let drawn = Drawer::new(self, &mode, options).bands(&mut frame);
+        frame.layers = options.layers.then(|| {
+            let names = self.scene.light_names();
+            Layers::zero(&names, width, height, mode.signed)
+        });
+        let drawn = Drawer::new(self, &mode, options).bands(frame);
         let counters = self.chunks.iter().map(|chunk| &chunk.counters);
-        let counters = counters.fold(drawn, |sum, c| sum.plus(c));
-        Ok((frame, counters))
+        Ok(counters.fold(drawn, |sum, c| sum.plus(c)))
     }
 
     /// The corners of a primitive.
     fn corners(&self, primitive: u32) -> [Vertex; 3] {
-        let corners = self.assembly.triangles[primitive as usize];
-        corners.map(|v| {
-            self.view
-                .vertex(self.assembly.vertex_eye(v).map(Real::to_f64))
-        })
+        // Written out: closures given to array::map are not inlined here.
+        let corner = |v: u32| {
+            let [x, y, z] = self.assembly.vertex_eye(v);
+            self.view.vertex([x.to_f64(), y.to_f64(), z.to_f64()])
+        };
+        let [a, b, c] = self.assembly.triangles[primitive as usize];
+        [corner(a), corner(b), corner(c)]
     }
 
     /// Unit vector to the viewer: towards the eye, or (0, 0, 1) for an infinite viewer (GL 2.1 section 2.14.1).

@@ -105,6 +105,11 @@ pub(super) struct Chunk {
 }
 
 impl Chunk {
+    /// Whether a tile has records.
+    pub(super) fn meets_tile(&self, tile: usize) -> bool {
+        self.offsets[tile] < self.offsets[tile + 1]
+    }
+
     /// The records of a tile in primitive order, with their snapped vertices.
     pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Record, [[i64; 2]; 3])> {
         let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
@@ -114,11 +119,18 @@ impl Chunk {
         })
     }
 
+    #[inline]
     fn vertices(&self, record: &Record) -> [[i64; 2]; 3] {
         if record.x[0] == HUGE {
             self.huge[record.y[0] as usize]
         } else {
-            [0, 1, 2].map(|i| [i64::from(record.x[i]), i64::from(record.y[i])])
+            // Written out: closures given to array::map are not inlined here.
+            let ([x0, x1, x2], [y0, y1, y2]) = (record.x, record.y);
+            [
+                [i64::from(x0), i64::from(y0)],
+                [i64::from(x1), i64::from(y1)],
+                [i64::from(x2), i64::from(y2)],
+            ]
         }
     }
 }
@@ -156,7 +168,8 @@ impl<'a> Builder<'a> {
         corners: impl Fn() -> [Vertex; 3],
     ) {
         self.chunk.counters.triangles_in += 1;
-        let v = snapped.map(|p| p.map(i64::from));
+        let wide = |p: [i32; 2]| [i64::from(p[0]), i64::from(p[1])];
+        let v = [wide(snapped[0]), wide(snapped[1]), wide(snapped[2])];
         let Some(tiles) = self.tiles(&v) else {
             self.chunk.counters.triangles_outside += 1;
             return;
@@ -322,8 +335,8 @@ impl<'a> Builder<'a> {
             primitive,
         };
         if small {
-            record.x = v.map(|p| p[0] as i32);
-            record.y = v.map(|p| p[1] as i32);
+            record.x = [v[0][0] as i32, v[1][0] as i32, v[2][0] as i32];
+            record.y = [v[0][1] as i32, v[1][1] as i32, v[2][1] as i32];
         } else {
             record.y[0] = self.chunk.huge.len() as i32;
             self.chunk.huge.push(v);
@@ -358,7 +371,8 @@ impl<'a> Builder<'a> {
 pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2] {
     let least = places[0].min(places[1]).min(places[2]);
     let most = places[0].max(places[1]).max(places[2]);
-    let [low, high] = offsets.map(|o| o << (bits - SAMPLE_BITS));
+    let finer = bits - SAMPLE_BITS;
+    let (low, high) = (offsets[0] << finer, offsets[1] << finer);
     [-((high - least) >> bits), (most - low) >> bits]
 }
 

@@ -1,6 +1,6 @@
 //! From visible samples to colours: gather what a tile sees, light it in batches, put the colours back.
 //!
-//! In: the visibility of a tile. Out: sums over samples, in f64, of colours and layers. Per-vertex shading (flat, Gouraud)
+//! In: the visibility of a tile. Out: its colours and layers. Per-vertex shading (flat, Gouraud)
 //! lights each vertex that a tile sees once a tile; per-fragment shading lights each visible sample. Both go through
 //! [`Batches`], so the equation always meets many points of one material.
 //!
@@ -31,33 +31,32 @@ struct Fragment {
     weights: [f64; 3],
 }
 
-/// Sums over the samples of a tile, row-major with stride [`TILE`].
+/// What one sample of each pixel of a tile shows, row-major with stride [`TILE`].
 #[derive(Clone, Debug)]
-pub(super) struct Sums<R> {
+pub(super) struct Shown<R> {
     /// Colour of the picture.
-    pub(super) color: Vec<[f64; 3]>,
+    pub(super) color: Vec<[R; 3]>,
     /// Unclamped colour, where the mode keeps it; else empty.
-    pub(super) plain: Vec<[f64; 3]>,
+    pub(super) plain: Vec<[R; 3]>,
     /// The layers, where asked for.
-    pub(super) layers: Vec<Vec<[f64; 3]>>,
+    pub(super) layers: Vec<Vec<[R; 3]>>,
     /// Distance along -z at the first sample.
     pub(super) depth: Vec<R>,
     /// Primitive at the first sample.
     pub(super) primitive: Vec<u32>,
 }
 
-impl<R: Real> Sums<R> {
-    /// Nothing summed yet.
-    pub(super) fn new(mode: &Mode) -> Self {
-        let zero = || vec![[0.0; 3]; TILE * TILE];
+impl<R: Real> Shown<R> {
+    fn new(mode: &Mode) -> Self {
+        let black = || vec![[R::ZERO; 3]; TILE * TILE];
         Self {
-            color: zero(),
+            color: black(),
             plain: if mode.keeps_plain() {
-                zero()
+                black()
             } else {
                 Vec::new()
             },
-            layers: (0..mode.layer_count()).map(|_| zero()).collect(),
+            layers: (0..mode.layer_count()).map(|_| black()).collect(),
             depth: vec![R::INFINITY; TILE * TILE],
             primitive: vec![NONE; TILE * TILE],
         }
@@ -95,6 +94,8 @@ pub(super) struct Pass<'a, 's, R> {
 pub(super) struct Workspace<R> {
     /// What the tile sees.
     pub(super) visibility: Visibility,
+    /// What its samples show.
+    pub(super) shown: Shown<R>,
     fragments: Vec<Fragment>,
     slots: SlotMap,
     lit: Lit<R>,
@@ -104,9 +105,10 @@ pub(super) struct Workspace<R> {
 
 impl<R: Real> Workspace<R> {
     /// Empty, for a scene with this many materials.
-    pub(super) fn new(materials: usize) -> Self {
+    pub(super) fn new(mode: &Mode, materials: usize) -> Self {
         Self {
             visibility: Visibility::new(),
+            shown: Shown::new(mode),
             fragments: Vec::new(),
             slots: SlotMap::new(),
             lit: Lit::default(),
@@ -120,20 +122,15 @@ impl<R: Real> Workspace<R> {
         self.slots.clear();
     }
 
-    /// Shades what the visibility buffer shows of one sample a pixel and adds it to the sums.
-    pub(super) fn sample(
-        &mut self,
-        pass: &Pass<'_, '_, R>,
-        sums: &mut Sums<R>,
-        counters: &mut Counters,
-    ) {
+    /// Shades what the visibility buffer shows of one sample a pixel.
+    pub(super) fn sample(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
         self.gather(pass);
         self.light(pass, counters);
         if pass.first {
-            self.keep_depth(pass.plan, sums);
+            self.keep_depth(pass.plan);
         }
-        self.add_background(pass, sums);
-        self.add_colors(pass.mode, sums);
+        self.show_background(pass);
+        self.show_colors(pass.mode);
     }
 
     /// Lists the visible samples, and the points to be lit for them.
@@ -148,16 +145,16 @@ impl<R: Real> Workspace<R> {
                 if primitive == NONE {
                     continue;
                 }
-                let seen = match current.take() {
-                    Some(seen) if seen.primitive == primitive => seen,
-                    _ => self.meet(pass.plan, pass.mode, primitive),
-                };
+                if current.as_ref().is_none_or(|c| c.primitive != primitive) {
+                    current = Some(self.meet(pass.plan, pass.mode, primitive));
+                }
+                let Some(seen) = &current else { continue };
                 let ray = pass.samples.ray(x, y);
                 let weights = seen.weights.between(ray, seen.distance, range);
                 let mut points = seen.points;
                 if pass.mode.shading == ShadeModel::Phong {
                     let tag = self.fragments.len() as u32;
-                    self.push_fragment(pass.plan, &seen, weights, tag);
+                    self.push_fragment(pass.plan, seen, weights, tag);
                     points = [tag; 3];
                 }
                 self.fragments.push(Fragment {
@@ -165,7 +162,6 @@ impl<R: Real> Workspace<R> {
                     points,
                     weights,
                 });
-                current = Some(seen);
             }
         }
     }
@@ -183,7 +179,10 @@ impl<R: Real> Workspace<R> {
             ShadeModel::Phong => [0; 3],
             // The provoking vertex is the last (GL 2.1 section 2.14.7).
             ShadeModel::Flat => [self.push_vertex(plan, corners[2], surface); 3],
-            ShadeModel::Gouraud => corners.map(|v| self.push_vertex(plan, v, surface)),
+            ShadeModel::Gouraud => {
+                let mut push = |v| self.push_vertex(plan, v, surface);
+                [push(corners[0]), push(corners[1]), push(corners[2])]
+            }
         };
         Current {
             primitive,
@@ -213,9 +212,16 @@ impl<R: Real> Workspace<R> {
 
     /// Puts an interpolated place into the batches; its normal is renormalised.
     fn push_fragment(&mut self, plan: &Plan<'_, R>, seen: &Current, weights: [f64; 3], tag: u32) {
-        let position = mix3(weights, seen.corners.map(|v| plan.assembly.vertex_eye(v)));
-        let normals = seen.corners.map(|v| plan.assembly.vertex_normal(v));
-        let raw = [0, 1, 2].map(|k| mix(weights, normals.map(|n| n[k])));
+        let (assembly, [a, b, c]) = (plan.assembly, seen.corners);
+        let place = |v| assembly.vertex_eye(v);
+        let position = mix3(weights, [place(a), place(b), place(c)]);
+        let normal = |v| assembly.vertex_normal(v);
+        let [p, q, r] = [normal(a), normal(b), normal(c)];
+        let raw = [
+            mix(weights, [p[0], q[0], r[0]]),
+            mix(weights, [p[1], q[1], r[1]]),
+            mix(weights, [p[2], q[2], r[2]]),
+        ];
         let normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
         let viewer = plan.to_viewer(position);
         self.batches
@@ -243,60 +249,55 @@ impl<R: Real> Workspace<R> {
         self.batches.clear();
     }
 
-    fn keep_depth(&self, plan: &Plan<'_, R>, sums: &mut Sums<R>) {
-        sums.primitive.copy_from_slice(&self.visibility.primitive);
+    fn keep_depth(&mut self, plan: &Plan<'_, R>) {
+        let shown = &mut self.shown;
+        shown.primitive.copy_from_slice(&self.visibility.primitive);
+        shown.depth.fill(R::INFINITY);
+        let [near, far] = [plan.view.near, plan.view.far];
+        let z = &plan.assembly.position_eye[2];
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);
-            let primitive = self.visibility.primitive[at] as usize;
-            let z = plan.assembly.triangles[primitive].map(|v| plan.assembly.vertex_eye(v)[2]);
+            let [a, b, c] = plan.assembly.triangles[shown.primitive[at] as usize];
+            let z = [z[a as usize], z[b as usize], z[c as usize]];
             let distance = -mix(fragment.weights, z);
-            sums.depth[at] = R::from_f64(distance.max(plan.view.near).min(plan.view.far));
+            shown.depth[at] = R::from_f64(distance.max(near).min(far));
         }
     }
 
-    fn add_background(&self, pass: &Pass<'_, '_, R>, sums: &mut Sums<R>) {
-        let (mode, area) = (pass.mode, pass.area);
+    /// Fills the tile with the background.
+    fn show_background(&mut self, pass: &Pass<'_, '_, R>) {
+        let mode = pass.mode;
         let background = pass.plan.scene.image.background.map(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {
             background
         };
-        for y in 0..area.size[1] {
-            for at in y * TILE..y * TILE + area.size[0] {
-                if self.visibility.primitive[at] != NONE {
-                    continue;
-                }
-                add(&mut sums.color[at], shown);
-                if mode.keeps_plain() {
-                    add(&mut sums.plain[at], background);
-                }
-                if let Some(emission) = sums.layers.get_mut(LayerIndex::EMISSION) {
-                    add(&mut emission[at], background);
-                }
-            }
+        self.shown.color.fill(shown);
+        self.shown.plain.fill(background);
+        for (index, layer) in self.shown.layers.iter_mut().enumerate() {
+            let emission = index == LayerIndex::EMISSION;
+            layer.fill(if emission { background } else { [R::ZERO; 3] });
         }
     }
 
-    fn add_colors(&self, mode: &Mode, sums: &mut Sums<R>) {
+    fn show_colors(&mut self, mode: &Mode) {
         let lit = &self.lit;
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);
-            let pick = |values: &[[R; 3]]| fragment.pick(mode.shading, values);
-            let mut color = pick(&lit.color);
+            let mut color = fragment.pick(mode.shading, &lit.color);
             if mode.split {
-                let secondary = pick(&lit.secondary);
-                color = [0, 1, 2].map(|k| color[k] + secondary[k]);
+                let secondary = fragment.pick(mode.shading, &lit.secondary);
+                for (c, s) in color.iter_mut().zip(secondary) {
+                    *c += s;
+                }
             }
-            if mode.clamp {
-                color = clamp_rgb(color);
-            }
-            add(&mut sums.color[at], color);
+            self.shown.color[at] = if mode.clamp { clamp_rgb(color) } else { color };
             if mode.keeps_plain() {
-                add(&mut sums.plain[at], pick(&lit.plain));
+                self.shown.plain[at] = fragment.pick(mode.shading, &lit.plain);
             }
-            for (sum, layer) in sums.layers.iter_mut().zip(&lit.layers) {
-                add(&mut sum[at], pick(layer));
+            for (shown, layer) in self.shown.layers.iter_mut().zip(&lit.layers) {
+                shown[at] = fragment.pick(mode.shading, layer);
             }
         }
     }
@@ -305,7 +306,8 @@ impl<R: Real> Workspace<R> {
 impl Fragment {
     /// The fragment's value of what its points have.
     fn pick<R: Real>(&self, shading: ShadeModel, values: &[[R; 3]]) -> [R; 3] {
-        let [a, b, c] = self.points.map(|p| p as usize);
+        let [a, b, c] = self.points;
+        let (a, b, c) = (a as usize, b as usize, c as usize);
         match shading {
             ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
             ShadeModel::Flat | ShadeModel::Phong => values[a],
@@ -316,14 +318,8 @@ impl Fragment {
 /// The normal of the side that a surface number names: back surfaces turn it round.
 fn turned<R: Real>(normal: [R; 3], surface: usize) -> [R; 3] {
     if surface % 2 == 1 {
-        normal.map(|x| -x)
+        [-normal[0], -normal[1], -normal[2]]
     } else {
         normal
-    }
-}
-
-fn add<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
-    for (s, x) in sum.iter_mut().zip(value) {
-        *s += x.to_f64();
     }
 }

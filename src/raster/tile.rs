@@ -92,12 +92,13 @@ impl Visibility {
             count[axis] = (most - least + 1) as usize;
         }
         // Edge functions at the first of them.
-        let place = [0, 1].map(|axis| {
-            ((area.place[axis] + first[axis] as i64) << SAMPLE_BITS) + offsets[0][axis]
-        });
-        let extent = [0, 1].map(|axis| {
-            ((count[axis] as i64 - 1) << SAMPLE_BITS) + offsets[1][axis] - offsets[0][axis]
-        });
+        let (mut place, mut extent) = ([0i64; 2], [0i64; 2]);
+        for axis in 0..2 {
+            let pixel = area.place[axis] + first[axis] as i64;
+            place[axis] = (pixel << SAMPLE_BITS) + offsets[0][axis];
+            let steps = (count[axis] as i64 - 1) << SAMPLE_BITS;
+            extent[axis] = steps + offsets[1][axis] - offsets[0][axis];
+        }
         let mut edges = Edges::new(v, bits, place);
         if edges.misses(extent) {
             return;
@@ -111,15 +112,17 @@ impl Visibility {
         let window = Window { first, count };
         match samples {
             Samples::Shared { x, y, .. } => {
-                edges.e = edges.e.map(|e| e >> SAMPLE_BITS);
-                let small = |i: usize| edges.a[i].abs() + edges.b[i].abs() < 1 << 24;
-                if (0..3).all(small) {
-                    let narrow = |values: [i64; 3]| values.map(|x| x as i32);
-                    let e = [edges.e, edges.a, edges.b].map(narrow);
-                    self.rows::<i32>(&window, e, record, x, y, counters);
+                let Edges { mut e, a, b } = edges;
+                for e in &mut e {
+                    *e >>= SAMPLE_BITS;
+                }
+                let largest = |i: usize| a[i].abs() + b[i].abs();
+                if largest(0).max(largest(1)).max(largest(2)) < 1 << 24 {
+                    let narrow = |v: [i64; 3]| [v[0] as i32, v[1] as i32, v[2] as i32];
+                    let edges = [narrow(e), narrow(a), narrow(b)];
+                    self.rows::<i32>(&window, edges, record, x, y, counters);
                 } else {
-                    let e = [edges.e, edges.a, edges.b];
-                    self.rows::<i64>(&window, e, record, x, y, counters);
+                    self.rows::<i64>(&window, [e, a, b], record, x, y, counters);
                 }
             }
             Samples::Each { offset, ray } => {
@@ -140,10 +143,15 @@ impl Visibility {
     ) {
         let ([left, top], [width, height]) = (window.first, window.count);
         let [k0, kx, ky] = record.key;
-        let range = record.range.map(f64::from);
+        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
         let xs = &x[left..left + width];
         // What each edge gains at most on the way to the end of a row.
-        let gain = a.map(|step| step.most_of(width - 1));
+        let steps = width - 1;
+        let gain = [
+            a[0].most_of(steps),
+            a[1].most_of(steps),
+            a[2].most_of(steps),
+        ];
         for (row, y) in y.iter().enumerate().skip(top).take(height) {
             let start = e;
             for i in 0..3 {
@@ -188,7 +196,7 @@ impl Visibility {
     ) {
         let ([left, top], [width, height]) = (window.first, window.count);
         let [k0, kx, ky] = record.key;
-        let range = record.range.map(f64::from);
+        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
         for row in 0..height {
             for column in 0..width {
                 let at = (top + row) * TILE + left + column;
