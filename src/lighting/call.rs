@@ -1,5 +1,6 @@
 //! One call of [`super::shade`]: the loop over chunks and lights, around the two parts of the equation.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::parts::{self, Chunk, Has, Products, Target, Weights};
@@ -7,7 +8,7 @@ use super::scratch::Scratch;
 use super::vector::finite;
 use super::{Counters, Light, Points, Power, Rig, Sink, Visibility};
 use crate::gl;
-use crate::lanes::{Kernel, Lanes, Real};
+use crate::lanes::{Family, Isa, Kernel, Lanes, Real, dispatch};
 use crate::math::color::Rgb;
 
 /// Points of a chunk where nobody asks for all of them at once.
@@ -22,6 +23,24 @@ pub(super) struct Call<'a, 'v, R> {
     pub(super) signed: bool,
     pub(super) sink: Sink<'a, R>,
     pub(super) scratch: &'a mut Scratch<R>,
+}
+
+/// The calls at both precisions, compiled here and nowhere else.
+pub(super) struct Entry<'a, 'v>(PhantomData<(&'a (), &'v ())>);
+
+impl<'a, 'v> Family for Entry<'a, 'v> {
+    type Of<R: Real> = (Isa, Call<'a, 'v, R>);
+    type Output = Counters;
+
+    #[inline(never)]
+    fn at_f32((isa, call): (Isa, Call<'a, 'v, f32>)) -> Counters {
+        dispatch(isa, call)
+    }
+
+    #[inline(never)]
+    fn at_f64((isa, call): (Isa, Call<'a, 'v, f64>)) -> Counters {
+        dispatch(isa, call)
+    }
 }
 
 impl<R: Real> Kernel<R> for Call<'_, '_, R> {

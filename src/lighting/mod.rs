@@ -51,9 +51,9 @@ pub use cone::Cone;
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 
 use crate::gl;
-use crate::lanes::{Isa, Real, dispatch};
+use crate::lanes::{Isa, Real};
 use crate::math::float::normalize;
-use call::Call;
+use call::{Call, Entry};
 use scratch::with_scratch;
 
 /// Lights resolved for one frame, in eye space.
@@ -291,7 +291,7 @@ pub fn shade<R: Real>(
             sink,
             scratch,
         };
-        dispatch(isa, call)
+        R::enter::<Entry<'_, '_>>((isa, call))
     })
 }
 
