@@ -149,6 +149,19 @@ pub(crate) const TOP: &[&str] = &[
     "object",
 ];
 
+/// Which section a key without one most likely belongs to.
+pub(crate) const SECTIONS: &[(&str, &[KeyInfo])] = &[
+    ("[image]", IMAGE),
+    ("[camera]", CAMERA),
+    ("[light_model]", LIGHT_MODEL),
+    ("[raster]", RASTER),
+    ("[trace]", TRACE),
+    ("[light.NAME]", LIGHT),
+    ("[material.NAME]", SURFACE),
+    ("[material.NAME]", MATERIAL),
+    ("[object.NAME]", OBJECT),
+];
+
 /// `convention`.
 pub(crate) const CONVENTION: KeyInfo = key(
     "convention",

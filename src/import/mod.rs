@@ -27,7 +27,7 @@ pub use keys::{MAX_PIXELS, MAX_SIDE};
 pub use schema::schema;
 pub use shipped::{Shipped, shipped};
 
-use crate::error::{Error, Note};
+use crate::error::{Error, Note, Place};
 use crate::scene::Scene;
 use document::Document;
 use native::Contents;
@@ -58,8 +58,10 @@ pub struct Imported {
     pub scene: Scene,
     /// What was dropped, invented or doubted.
     pub notes: Vec<Note>,
-    /// What was loaded: the path, or the name of the shipped scene.
+    /// What was loaded: the path, or "shipped scene NAME".
     pub source: String,
+    /// The files that were read, the scene file first; none for a shipped scene.
+    pub files: Vec<PathBuf>,
     /// What of the camera was fitted.
     pub fitted: Fitted,
 }
@@ -75,13 +77,10 @@ pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
         return load_path(path, name, options);
     }
     let text = shipped_text(name)?.to_owned();
-    load_toml(
-        &format!("{name}.toml"),
-        text,
-        &Home::Embedded,
-        name,
-        options,
-    )
+    let file = format!("{name}.toml");
+    let imported = load_toml(&file, text, Home::Embedded, name, options)?;
+    let source = format!("shipped scene {name}");
+    Ok(Imported { source, ..imported })
 }
 
 /// The text of a shipped scene.
@@ -99,17 +98,16 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
     };
     let file = part(path.file_name());
     let stem = part(path.file_stem());
-    let folder = path.parent().map_or(PathBuf::new(), Path::to_path_buf);
-    let home = Home::Folder(folder);
+    let home = Home::folder(path.parent().map_or(PathBuf::new(), Path::to_path_buf));
     match part(path.extension()).to_lowercase().as_str() {
         _ if path.is_dir() => Err(text::folder(name)),
         "toml" => {
             let text = text::utf8(name, home.read(&file, MAX_TEXT)?)?;
-            load_toml(name, text, &home, &stem, options)
+            load_toml(name, text, home, &stem, options)
         }
-        "obj" => load_obj(name, &file, &home, &stem, options),
+        "obj" => load_obj(name, &file, home, &stem, options),
         other => Err(Error::Unsupported {
-            place: Some(crate::error::Place::file(name)),
+            place: Some(Place::file(name)),
             message: match other {
                 "" => "a scene file needs an extension".into(),
                 other => format!("files of type .{other} are not imported"),
@@ -122,17 +120,18 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
 fn load_toml(
     file: &str,
     text: String,
-    home: &Home,
+    home: Home,
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
     let document = Document::parse(file, text, &options.sets)?;
-    let (mut scene, notes, fitted) = native::read(&document, home, Contents::default())?;
+    let (mut scene, notes, fitted) = native::read(&document, &home, Contents::default())?;
     scene.name = stem.to_owned();
     Ok(Imported {
         scene,
         notes,
         source: file.to_owned(),
+        files: home.files(),
         fitted,
     })
 }
@@ -140,14 +139,14 @@ fn load_toml(
 fn load_obj(
     name: &str,
     file: &str,
-    home: &Home,
+    home: Home,
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
-    // Overrides are checked before the mesh is read, which may take a while.
+    // Overrides are parsed before the mesh is read, which may take a while.
     let document = Document::parse(name, obj::INVENTED_LIGHTS.to_owned(), &options.sets)?;
-    let (contents, mut notes) = obj::contents(home, file, stem)?;
-    let (mut scene, more, fitted) = native::read(&document, home, contents)?;
+    let (contents, mut notes) = obj::contents(&home, file, stem)?;
+    let (mut scene, more, fitted) = native::read(&document, &home, contents)?;
     notes.push(Note {
         place: None,
         message: "the file has no lights: two were invented, light.key and light.fill".into(),
@@ -158,6 +157,7 @@ fn load_obj(
         scene,
         notes,
         source: name.to_owned(),
+        files: home.files(),
         fitted,
     })
 }

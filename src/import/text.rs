@@ -1,5 +1,6 @@
 //! Reading files and embedded texts, and telling early what is no scene at all.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use super::shipped;
@@ -13,19 +14,32 @@ pub const MAX_LIBRARY: u64 = 4 << 20;
 pub const MAX_MESH: u64 = 1 << 30;
 
 /// Where the files of a scene come from.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) enum Home {
-    /// A folder: that of the scene file.
-    Folder(PathBuf),
+    /// A folder, that of the scene file, and the files read from it so far.
+    Folder(PathBuf, RefCell<Vec<PathBuf>>),
     /// The scenes inside the program.
     Embedded,
 }
 
 impl Home {
+    /// A folder that nothing was read from.
+    pub(crate) fn folder(folder: PathBuf) -> Self {
+        Self::Folder(folder, RefCell::default())
+    }
+
+    /// The files that were read.
+    pub(crate) fn files(self) -> Vec<PathBuf> {
+        match self {
+            Self::Folder(_, files) => files.into_inner(),
+            Self::Embedded => Vec::new(),
+        }
+    }
+
     /// How messages call a file of this home.
     pub(crate) fn name(&self, file: &str) -> String {
         match self {
-            Self::Folder(folder) => folder.join(file).display().to_string(),
+            Self::Folder(folder, _) => folder.join(file).display().to_string(),
             Self::Embedded => file.to_owned(),
         }
     }
@@ -33,7 +47,7 @@ impl Home {
     /// Whether a file is there.
     pub(crate) fn has(&self, file: &str) -> bool {
         match self {
-            Self::Folder(folder) => folder.join(file).is_file(),
+            Self::Folder(folder, _) => folder.join(file).is_file(),
             Self::Embedded => shipped::file(file).is_some(),
         }
     }
@@ -41,7 +55,7 @@ impl Home {
     /// Whether there is anything of that name, be it a folder.
     pub(crate) fn exists(&self, file: &str) -> bool {
         match self {
-            Self::Folder(folder) => folder.join(file).exists(),
+            Self::Folder(folder, _) => folder.join(file).exists(),
             Self::Embedded => self.has(file),
         }
     }
@@ -49,7 +63,12 @@ impl Home {
     /// The bytes of a file.
     pub(crate) fn read(&self, file: &str, limit: u64) -> Result<Vec<u8>, Error> {
         match self {
-            Self::Folder(folder) => read_file(&folder.join(file), limit),
+            Self::Folder(folder, files) => {
+                let path = folder.join(file);
+                let bytes = read_file(&path, limit)?;
+                files.borrow_mut().push(path);
+                Ok(bytes)
+            }
             Self::Embedded => match shipped::file(file) {
                 Some(text) => Ok(text.as_bytes().to_vec()),
                 None => Err(Error::io(

@@ -28,7 +28,7 @@ mod real;
 mod wide;
 
 pub use isa::{Isa, Kernel, dispatch};
-pub use real::Real;
+pub use real::{Family, Real};
 pub use wide::{Wide, WideMask};
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

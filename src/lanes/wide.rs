@@ -93,6 +93,26 @@ impl<R: Real, const N: usize> Mask for WideMask<R, N> {
     }
 }
 
+/// The last numbers of a list and zeros. Kept out of line: inlined, it turns every load into a copy of unknown length.
+#[cold]
+#[inline(never)]
+fn load_tail<R: Real, const N: usize>(list: &[R]) -> [R; N] {
+    let mut padded = [R::ZERO; N];
+    for (a, b) in padded.iter_mut().zip(list) {
+        *a = *b;
+    }
+    padded
+}
+
+/// Out of line for the same reason.
+#[cold]
+#[inline(never)]
+fn store_tail<R: Real>(lanes: &[R], list: &mut [R]) {
+    for (a, b) in list.iter_mut().zip(lanes) {
+        *a = *b;
+    }
+}
+
 macro_rules! comparison {
     ($name:ident, $operator:tt) => {
         #[inline(always)]
@@ -120,13 +140,7 @@ impl<R: Real, const N: usize, const FMA: bool> Lanes for Wide<R, N, FMA> {
     fn load(list: &[R]) -> Self {
         match list.first_chunk::<N>() {
             Some(chunk) => Self(*chunk),
-            None => {
-                let mut padded = [R::ZERO; N];
-                for (a, b) in padded.iter_mut().zip(list) {
-                    *a = *b;
-                }
-                Self(padded)
-            }
+            None => Self(load_tail(list)),
         }
     }
 
@@ -134,11 +148,7 @@ impl<R: Real, const N: usize, const FMA: bool> Lanes for Wide<R, N, FMA> {
     fn store(self, list: &mut [R]) {
         match list.first_chunk_mut::<N>() {
             Some(chunk) => *chunk = self.0,
-            None => {
-                for (a, b) in list.iter_mut().zip(&self.0) {
-                    *a = *b;
-                }
-            }
+            None => store_tail(&self.0, list),
         }
     }
 

@@ -32,7 +32,11 @@ impl Cone {
     /// A cone around an axis of any length, in degrees of half angle. Cutoffs above 90 count as 90 (behind the light is
     /// always outside), those below 0 and NaN as 0.
     pub fn new(axis: [f64; 3], cutoff_deg: f64) -> Self {
-        let cutoff_deg = cutoff_deg.max(0.0).min(90.0);
+        let cutoff_deg = if cutoff_deg > 0.0 {
+            cutoff_deg.min(90.0)
+        } else {
+            0.0
+        };
         let (cos_squared, sin_squared) = if cutoff_deg == 0.0 {
             (1.0, 0.0)
         } else if cutoff_deg == 30.0 {

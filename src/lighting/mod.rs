@@ -37,10 +37,12 @@
 //! Left out: texture (a factor on the material, the caller's), fog, clamping (a named step of the caller's).
 
 mod batch;
+mod call;
 mod cone;
 mod light;
 mod parts;
 mod scratch;
+mod vector;
 
 use std::ops::AddAssign;
 
@@ -49,14 +51,10 @@ pub use cone::Cone;
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 
 use crate::gl;
-use crate::lanes::{Isa, Kernel, Lanes, Real, dispatch};
-use crate::math::color::Rgb;
+use crate::lanes::{Isa, Real};
 use crate::math::float::normalize;
-use parts::{Chunk, Has, Products, Target, Weights};
-use scratch::{Scratch, with_scratch};
-
-/// Points of a chunk where nobody asks for all of them at once.
-const CHUNK: usize = 256;
+use call::{Call, Entry};
+use scratch::with_scratch;
 
 /// Lights resolved for one frame, in eye space.
 ///
@@ -137,16 +135,6 @@ impl<R: Real> Points<R> {
             self.position[axis].push(position[axis]);
             self.normal[axis].push(normal[axis]);
             self.to_viewer[axis].push(to_viewer[axis]);
-        }
-    }
-
-    /// Some of the points.
-    fn chunk(&self, range: std::ops::Range<usize>) -> Chunk<'_, R> {
-        Chunk {
-            position: [0, 1, 2].map(|a| &self.position[a][range.clone()]),
-            normal: [0, 1, 2].map(|a| &self.normal[a][range.clone()]),
-            normal_length: self.normal_length.get(range.clone()).unwrap_or(&[]),
-            to_viewer: [0, 1, 2].map(|a| &self.to_viewer[a][range.clone()]),
         }
     }
 }
@@ -284,7 +272,6 @@ impl AddAssign for Counters {
 /// assert_eq!(out[0], [0.2]);
 /// assert_eq!(counters.pow_calls, 0); // no specular colour, no power
 /// ```
-#[expect(clippy::too_many_arguments)]
 pub fn shade<R: Real>(
     isa: Isa,
     rig: &Rig<R>,
@@ -304,296 +291,8 @@ pub fn shade<R: Real>(
             sink,
             scratch,
         };
-        dispatch(isa, call)
+        R::enter::<Entry<'_, '_>>((isa, call))
     })
-}
-
-/// One call of [`shade`], entered at an instruction set.
-struct Call<'a, 'v, R> {
-    rig: &'a Rig<R>,
-    material: &'a gl::Material,
-    points: &'a Points<R>,
-    visibility: Option<&'v mut dyn Visibility<R>>,
-    signed: bool,
-    sink: Sink<'a, R>,
-    scratch: &'a mut Scratch<R>,
-}
-
-impl<R: Real> Kernel<R> for Call<'_, '_, R> {
-    type Output = Counters;
-
-    #[inline(always)]
-    fn run<L: Lanes<Scalar = R>>(mut self) -> Counters {
-        let n = self.points.len();
-        self.prepare_sink(n);
-        let mut counters = Counters {
-            points: n as u64,
-            ..Counters::default()
-        };
-        let size = if self.visibility.is_some() {
-            n.max(1)
-        } else {
-            CHUNK
-        };
-        for start in (0..n).step_by(size) {
-            let end = n.min(start + size);
-            self.scratch.resize(end - start);
-            self.chunk::<L>(start, end, &mut counters);
-        }
-        counters
-    }
-}
-
-impl<R: Real> Call<'_, '_, R> {
-    /// Gives every output list one +0 a point.
-    fn prepare_sink(&mut self, n: usize) {
-        let zero = |lists: &mut [Vec<R>; 3]| {
-            for list in lists {
-                list.clear();
-                list.resize(n, R::ZERO);
-            }
-        };
-        match &mut self.sink {
-            Sink::Sum(sum) => zero(sum),
-            Sink::Record(layers) => {
-                layers.resize_with(2 + 3 * self.rig.lights.len(), Default::default);
-                layers.iter_mut().for_each(zero);
-            }
-            Sink::Split(first, second) => {
-                zero(first);
-                zero(second);
-            }
-        }
-    }
-
-    /// All lights on some of the points.
-    #[inline(always)]
-    fn chunk<L: Lanes<Scalar = R>>(&mut self, start: usize, end: usize, counters: &mut Counters) {
-        let chunk = self.points.chunk(start..end);
-        let n = (end - start) as u64;
-        self.constants(start, end);
-        for (index, light) in self.rig.lights.iter().enumerate() {
-            let products = self.products(light, !chunk.normal_length.is_empty());
-            if products.has.none() {
-                continue;
-            }
-            counters.point_lights += n;
-            // Part one.
-            if needs_direction(light, products.has) {
-                parts::illuminate::<L>(light, &chunk, self.scratch);
-                counters.light_vector_roots += n * u64::from(is_positional(light));
-                counters.pow_calls += n * u64::from(spot_needs_power(light));
-            } else {
-                self.scratch.factor.fill(R::ONE);
-                self.scratch.n_dot_l.fill(R::ZERO);
-            }
-            // Visibility.
-            let asked = products.has.shaded() && self.query(index);
-            counters.visibility_queries += u64::from(asked);
-            // Part two.
-            let power = products.has.specular && matches!(products.power, Power::Other(_));
-            counters.pow_calls += n * u64::from(power);
-            if products.has.shaded() {
-                parts::weigh::<L>(&products, &chunk, self.scratch);
-            } else {
-                self.scratch.diffuse.fill(R::ZERO);
-                self.scratch.specular.fill(R::ZERO);
-            }
-            for component in 0..3 {
-                self.emit::<L>(&products, index, component, asked, start, end);
-            }
-        }
-        self.finish(start, end);
-    }
-
-    /// Emission and scene ambient, the terms that no light scales.
-    fn constants(&mut self, start: usize, end: usize) {
-        for c in 0..3 {
-            let emission = finite::<R>(self.material.emission[c]);
-            let ambient = finite::<R>(self.material.ambient[c] * self.rig.model.ambient[c]);
-            match &mut self.sink {
-                Sink::Record(layers) => {
-                    layers[0][c][start..end].fill(emission);
-                    layers[1][c][start..end].fill(ambient);
-                }
-                Sink::Sum(first) | Sink::Split(first, _) => {
-                    first[c][start..end].fill(emission + ambient);
-                    if self.signed {
-                        self.scratch.wide[0][c].fill(emission.to_f64() + ambient.to_f64());
-                        self.scratch.wide[1][c].fill(0.0);
-                    }
-                }
-            }
-        }
-    }
-
-    fn products(&self, light: &Light<R>, has_lengths: bool) -> Products<R> {
-        let colors = light.colors();
-        let multiply = |a: &Rgb, b: &Rgb| [0, 1, 2].map(|c| finite::<R>(a[c] * b[c]));
-        let ambient = multiply(&self.material.ambient, &colors.ambient);
-        let diffuse = multiply(&self.material.diffuse, &colors.diffuse);
-        let specular = multiply(&self.material.specular, &colors.specular);
-        let any = |color: [R; 3]| color.into_iter().any(|x| x != R::ZERO);
-        let all = [ambient, diffuse, specular];
-        let largest = all
-            .iter()
-            .flatten()
-            .fold(1.0f64, |m, x| m.max(x.to_f64().abs()));
-        let power = Power::new(self.material.shininess);
-        let negative_power = matches!(power, Power::Other(s) if s < R::ZERO);
-        let may_overflow = largest * light.largest_factor() > R::MAX.to_f64() / 4.0;
-        Products {
-            ambient,
-            diffuse,
-            specular,
-            has: Has {
-                ambient: any(ambient),
-                diffuse: any(diffuse),
-                specular: any(specular),
-            },
-            careful: may_overflow || negative_power || has_lengths,
-            signed: self.signed,
-            power,
-            model: self.rig.model.specular_model,
-        }
-    }
-
-    /// Asks for the visibility of a light that faces some point; says whether it did.
-    fn query(&mut self, light: usize) -> bool {
-        let Some(visibility) = self.visibility.as_deref_mut() else {
-            return false;
-        };
-        let scratch = &mut *self.scratch;
-        let lit = scratch.n_dot_l.iter().zip(&scratch.factor);
-        for (facing, (n_dot_l, factor)) in scratch.illumination.facing.iter_mut().zip(lit) {
-            *facing = *n_dot_l > R::ZERO && *factor != R::ZERO;
-        }
-        if !scratch.illumination.facing.contains(&true) {
-            return false;
-        }
-        for list in &mut scratch.visibility {
-            list.fill(R::ONE);
-        }
-        visibility.query(light, &scratch.illumination, &mut scratch.visibility);
-        true
-    }
-
-    /// The terms of one light and component, into the sink.
-    #[inline(always)]
-    fn emit<L: Lanes<Scalar = R>>(
-        &mut self,
-        products: &Products<R>,
-        light: usize,
-        component: usize,
-        asked: bool,
-        start: usize,
-        end: usize,
-    ) {
-        let scratch = &mut *self.scratch;
-        let weights = Weights {
-            factor: &scratch.factor,
-            diffuse: &scratch.diffuse,
-            specular: &scratch.specular,
-            visibility: asked.then_some(&scratch.visibility[component]),
-        };
-        let separate = self.rig.model.color_control == gl::ColorControl::SeparateSpecular;
-        if let Sink::Record(layers) = &mut self.sink {
-            if let [a, d, s] = &mut layers[2 + 3 * light..5 + 3 * light] {
-                let lists = [a, d, s].map(|list| &mut list[component][start..end]);
-                parts::emit::<L>(products, component, &weights, Target::Record(lists));
-            }
-        } else if self.signed {
-            let [a, d, s] = &mut scratch.terms;
-            let lists = Target::Record([a, d, s]);
-            parts::emit::<L>(products, component, &weights, lists);
-            let [first, second] = &mut scratch.wide;
-            add_wide(&mut first[component], a);
-            add_wide(&mut first[component], d);
-            let split = separate && matches!(self.sink, Sink::Split(..));
-            let last = if split { second } else { first };
-            add_wide(&mut last[component], s);
-        } else {
-            match &mut self.sink {
-                Sink::Split(first, second) if separate => {
-                    let lists = [&mut first[component], &mut second[component]];
-                    let [first, second] = lists.map(|list| &mut list[start..end]);
-                    parts::emit::<L>(products, component, &weights, Target::Split(first, second));
-                }
-                Sink::Sum(sum) | Sink::Split(sum, _) => {
-                    let sum = &mut sum[component][start..end];
-                    parts::emit::<L>(products, component, &weights, Target::Sum(sum));
-                }
-                Sink::Record(_) => {}
-            }
-        }
-    }
-
-    /// Rounds the f64 sums, where there are some.
-    fn finish(&mut self, start: usize, end: usize) {
-        if !self.signed {
-            return;
-        }
-        let round = |lists: &mut [Vec<R>; 3], wide: &[Vec<f64>; 3]| {
-            for (list, wide) in lists.iter_mut().zip(wide) {
-                for (x, w) in list[start..end].iter_mut().zip(wide) {
-                    *x = R::from_f64(*w);
-                }
-            }
-        };
-        let [first_wide, second_wide] = &self.scratch.wide;
-        match &mut self.sink {
-            Sink::Sum(first) => round(first, first_wide),
-            Sink::Split(first, second) => {
-                round(first, first_wide);
-                round(second, second_wide);
-            }
-            Sink::Record(_) => {}
-        }
-    }
-}
-
-impl Has {
-    fn shaded(self) -> bool {
-        self.diffuse || self.specular
-    }
-    fn none(self) -> bool {
-        !self.ambient && !self.shaded()
-    }
-}
-
-fn is_positional<R>(light: &Light<R>) -> bool {
-    !matches!(light, Light::Directional(_))
-}
-
-fn spot_needs_power<R>(light: &Light<R>) -> bool {
-    matches!(light, Light::Spot(spot) if matches!(spot.power, Power::Other(_)))
-}
-
-/// Whether part one has anything to say: not where the light has only an ambient term that nothing scales.
-fn needs_direction<R>(light: &Light<R>, has: Has) -> bool {
-    let scaled = match light {
-        Light::Directional(_) => false,
-        Light::Point(light) => light.attenuated,
-        Light::Spot(_) => true,
-    };
-    has.shaded() || scaled
-}
-
-/// Adds terms to sums in f64.
-#[inline(always)]
-fn add_wide<R: Real>(sums: &mut [f64], terms: &[R]) {
-    for (sum, term) in sums.iter_mut().zip(terms) {
-        *sum += term.to_f64();
-    }
-}
-
-/// A colour rounded once to a finite number: infinity counts as the largest, NaN and -0 as 0.
-fn finite<R: Real>(x: f64) -> R {
-    let most = R::MAX.to_f64();
-    if x.is_nan() {
-        return R::ZERO;
-    }
-    R::from_f64(x.clamp(-most, most)) + R::ZERO
 }
 
 #[cfg(test)]

@@ -5,11 +5,9 @@
 //! Everything that is the same for all points of a light (its kind, its powers, the specular form) is decided outside
 //! the lanes or by a branch that always goes the same way.
 
-use super::light::{
-    DirectionalLight, Incident, Light, PointLight, Power, SpotLight, cross_squared, dot3,
-    ln_cosine, zero_to,
-};
+use super::light::{DirectionalLight, Incident, Light, PointLight, Power, SpotLight};
 use super::scratch::Scratch;
+use super::vector::{cross_squared, dot3, ln_cosine, zero_to};
 use crate::gl::SpecularModel;
 use crate::lanes::elementary::{exp, ln};
 use crate::lanes::{Lanes, Mask, Real};
@@ -253,49 +251,14 @@ fn reflection<L: Lanes>(
     }
 }
 
-/// Where the three terms of a light go, one colour component.
+/// Where the three terms of a light go, three lists a colour.
 pub(super) enum Target<'a, R> {
     /// Added to a sum, in the order ambient, diffuse, specular.
-    Sum(&'a mut [R]),
+    Sum([&'a mut [R]; 3]),
     /// Ambient and diffuse added to the first, specular to the second.
-    Split(&'a mut [R], &'a mut [R]),
-    /// Each to its own list.
-    Record([&'a mut [R]; 3]),
-}
-
-/// Part two, the terms of one colour component: colour times weight times S_L (ambient is never shadowed).
-#[inline(always)]
-pub(super) fn emit<L: Lanes>(
-    products: &Products<L::Scalar>,
-    component: usize,
-    scratch: &Weights<'_, L::Scalar>,
-    target: Target<'_, L::Scalar>,
-) {
-    let n = scratch.factor.len();
-    match target {
-        Target::Sum(sum) => {
-            for i in (0..n).step_by(L::WIDTH) {
-                let [ambient, diffuse, specular] = terms::<L>(products, component, scratch, i);
-                let total = L::load(&sum[i..]) + ambient + diffuse + specular;
-                total.store(&mut sum[i..]);
-            }
-        }
-        Target::Split(first, second) => {
-            for i in (0..n).step_by(L::WIDTH) {
-                let [ambient, diffuse, specular] = terms::<L>(products, component, scratch, i);
-                (L::load(&first[i..]) + ambient + diffuse).store(&mut first[i..]);
-                (L::load(&second[i..]) + specular).store(&mut second[i..]);
-            }
-        }
-        Target::Record([a, d, s]) => {
-            for i in (0..n).step_by(L::WIDTH) {
-                let [ambient, diffuse, specular] = terms::<L>(products, component, scratch, i);
-                ambient.store(&mut a[i..]);
-                diffuse.store(&mut d[i..]);
-                specular.store(&mut s[i..]);
-            }
-        }
-    }
+    Split([&'a mut [R]; 3], [&'a mut [R]; 3]),
+    /// Each to its own lists.
+    Record([[&'a mut [R]; 3]; 3]),
 }
 
 /// What [`emit`] reads.
@@ -303,28 +266,74 @@ pub(super) struct Weights<'a, R> {
     pub(super) factor: &'a [R],
     pub(super) diffuse: &'a [R],
     pub(super) specular: &'a [R],
-    /// S_L of this component; `None` = 1.
-    pub(super) visibility: Option<&'a [R]>,
+    /// S_L; `None` = 1.
+    pub(super) visibility: Option<&'a [Vec<R>; 3]>,
 }
 
-/// Ambient, diffuse and specular of some points.
+/// Part two, the terms: colour times weight times S_L (ambient is never shadowed).
+#[inline(always)]
+pub(super) fn emit<L: Lanes>(
+    products: &Products<L::Scalar>,
+    weights: &Weights<'_, L::Scalar>,
+    target: Target<'_, L::Scalar>,
+) {
+    let n = weights.factor.len();
+    match target {
+        Target::Sum(mut sum) => {
+            for i in (0..n).step_by(L::WIDTH) {
+                let weight = load_weights::<L>(weights, i);
+                for (c, sum) in sum.iter_mut().enumerate() {
+                    let [ambient, diffuse, specular] = terms(products, &weight, weights, c, i);
+                    let total = L::load(&sum[i..]) + ambient + diffuse + specular;
+                    total.store(&mut sum[i..]);
+                }
+            }
+        }
+        Target::Split(mut first, mut second) => {
+            for i in (0..n).step_by(L::WIDTH) {
+                let weight = load_weights::<L>(weights, i);
+                for (c, (first, second)) in first.iter_mut().zip(&mut second).enumerate() {
+                    let [ambient, diffuse, specular] = terms(products, &weight, weights, c, i);
+                    (L::load(&first[i..]) + ambient + diffuse).store(&mut first[i..]);
+                    (L::load(&second[i..]) + specular).store(&mut second[i..]);
+                }
+            }
+        }
+        Target::Record([a, d, s]) => {
+            for i in (0..n).step_by(L::WIDTH) {
+                let weight = load_weights::<L>(weights, i);
+                for c in 0..3 {
+                    let [ambient, diffuse, specular] = terms(products, &weight, weights, c, i);
+                    ambient.store(&mut a[c][i..]);
+                    diffuse.store(&mut d[c][i..]);
+                    specular.store(&mut s[c][i..]);
+                }
+            }
+        }
+    }
+}
+
+/// Weights of ambient, diffuse and specular of some points.
+#[inline(always)]
+fn load_weights<L: Lanes>(weights: &Weights<'_, L::Scalar>, i: usize) -> [L; 3] {
+    load3(&[weights.factor, weights.diffuse, weights.specular], i)
+}
+
+/// Ambient, diffuse and specular of some points, one colour component.
 #[inline(always)]
 fn terms<L: Lanes>(
     products: &Products<L::Scalar>,
-    component: usize,
+    weight: &[L; 3],
     weights: &Weights<'_, L::Scalar>,
+    component: usize,
     i: usize,
 ) -> [L; 3] {
-    let Products { careful, .. } = *products;
-    let [ambient, diffuse, specular] = [products.ambient, products.diffuse, products.specular];
-    let ambient = L::splat(ambient[component]);
-    let ambient = product(ambient, L::load(&weights.factor[i..]), careful);
-    let diffuse = L::splat(diffuse[component]);
-    let mut diffuse = product(diffuse, L::load(&weights.diffuse[i..]), careful);
-    let specular = L::splat(specular[component]);
-    let mut specular = product(specular, L::load(&weights.specular[i..]), careful);
+    let careful = products.careful;
+    let ambient = product(L::splat(products.ambient[component]), weight[0], careful);
+    let mut diffuse = product(L::splat(products.diffuse[component]), weight[1], careful);
+    let mut specular = product(L::splat(products.specular[component]), weight[2], careful);
     if let Some(visibility) = weights.visibility {
-        let s = L::load(&visibility[i..]);
+        let s = L::load(&visibility[component][i..]);
         diffuse = product(diffuse, s, careful);
         specular = product(specular, s, careful);
     }

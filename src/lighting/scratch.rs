@@ -22,7 +22,7 @@ pub(super) struct Scratch<R> {
     /// S_L.
     pub(super) visibility: [Vec<R>; 3],
     /// Terms of one light on their way to a sum in f64.
-    pub(super) terms: [Vec<R>; 3],
+    pub(super) terms: [[Vec<R>; 3]; 3],
     /// Sums in f64, of the first and of the second colour.
     pub(super) wide: [[Vec<f64>; 3]; 2],
 }
@@ -38,7 +38,8 @@ impl<R: Real> Scratch<R> {
             &mut self.diffuse,
             &mut self.specular,
         ]);
-        for list in lists.chain(&mut self.visibility).chain(&mut self.terms) {
+        let terms = self.terms.iter_mut().flatten();
+        for list in lists.chain(&mut self.visibility).chain(terms) {
             list.resize(n, R::ZERO);
         }
         illumination.facing.resize(n, false);
@@ -58,10 +59,9 @@ pub(super) fn with_scratch<R: Real, T>(work: impl FnOnce(&mut Scratch<R>) -> T) 
         let found = pool.iter().position(|entry| entry.is::<Scratch<R>>());
         found.map(|index| pool.swap_remove(index))
     });
-    let mut scratch = match kept.and_then(|entry| entry.downcast::<Scratch<R>>().ok()) {
-        Some(scratch) => scratch,
-        None => Box::default(),
-    };
+    let mut scratch: Box<Scratch<R>> = kept
+        .and_then(|entry| entry.downcast().ok())
+        .unwrap_or_default();
     let answer = work(&mut scratch);
     POOL.with_borrow_mut(|pool| pool.push(scratch));
     answer

@@ -268,6 +268,20 @@ const SECTIONS: &[(&str, &str, &str)] = &[
     ("camera = 3\n", "1:10 camera: expected a table, found 3", ""),
 ];
 
+#[test]
+fn a_key_outside_of_its_section_is_sent_home() {
+    check(
+        "fovy = 30\n",
+        "1:1 `fovy` stands outside of any section",
+        "it belongs into [camera]",
+    );
+    check(
+        "conventoin = \"lecture\"\n",
+        "1:1 `conventoin` stands outside of any section",
+        "did you mean `convention`?",
+    );
+}
+
 /// Whole files: text, "line:column message", help.
 const FILES: &[(&str, &str, &str)] = &[
     ("[material.red\n", "1:14 unclosed table, expected `]`", ""),

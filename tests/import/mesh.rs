@@ -206,6 +206,12 @@ fn library(names: &[&str], mtl: &str) -> (Vec<Material>, String) {
     }
     let files: [(&str, &[u8]); 2] = [("a.obj", text.as_bytes()), ("my file.mtl", mtl.as_bytes())];
     let imported = load_files(&files, &[]).unwrap();
+    let read: Vec<_> = imported
+        .files
+        .iter()
+        .filter_map(|f| f.file_name())
+        .collect();
+    assert_eq!(read, ["a.obj", "my file.mtl"]);
     (imported.scene.materials.clone(), notes(&imported))
 }
 

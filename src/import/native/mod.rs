@@ -17,7 +17,7 @@ mod transform;
 use std::collections::HashMap;
 
 use super::document::{Document, Key, Node, Value};
-use super::keys::{CONVENTION, CONVENTIONS, TOP};
+use super::keys::{self, CONVENTION, CONVENTIONS, TOP};
 use super::reader::{Section, table, unsupported};
 use super::text::Home;
 use super::{Fitted, names, obj};
@@ -148,9 +148,7 @@ impl<'a> Reader<'a> {
                 return Err(unsupported(self.document, node, "`include`", reason));
             }
             if !TOP.contains(&key.name.as_str()) {
-                let message = format!("there is no section `{}`", key.name);
-                let error = self.document.error(&key.span, message);
-                return Err(names::with_advice(error, &key.name, TOP));
+                return Err(unknown_section(self.document, key, node));
             }
         }
         Ok(Top {
@@ -160,7 +158,7 @@ impl<'a> Reader<'a> {
     }
 
     fn convention(&mut self, top: &Top<'a>) -> Result<(), Error> {
-        const KEYS: &[super::keys::KeyInfo] = &[CONVENTION];
+        const KEYS: &[keys::KeyInfo] = &[CONVENTION];
         let Some((key, node)) = top.get("convention") else {
             return Ok(());
         };
@@ -220,6 +218,23 @@ impl<'a> Reader<'a> {
             more => format!("no object uses {more} of the materials"),
         };
         self.note(None, message);
+    }
+}
+
+/// The error for a name that the top level does not have.
+fn unknown_section(document: &Document, key: &Key, node: &Node) -> Error {
+    let name = key.name.as_str();
+    if matches!(node.value, Value::Table(_)) {
+        let error = document.error(&key.span, format!("there is no section `{name}`"));
+        return names::with_advice(error, name, TOP);
+    }
+    let error = document.error(&key.span, format!("`{name}` stands outside of any section"));
+    let home = keys::SECTIONS
+        .iter()
+        .find(|(_, rows)| rows.iter().any(|row| row.name == name));
+    match home {
+        Some((section, _)) => error.with_help(format!("it belongs into {section}")),
+        None => names::with_closest(error, name, TOP),
     }
 }
 

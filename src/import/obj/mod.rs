@@ -9,9 +9,9 @@
 //! face into a fan (wrong where it is concave), turns faces of one or two corners into points and lines, gives errors
 //! without a place, and splits a file at every `usemtl`.
 //!
-//! Measured (release build, one core of a shared two-core server, 2026-11): 871,414 triangles in 30 MB of text take 0.32 s
-//! and 77 MB at the peak, the text included; 303,876 triangles (12 MB) 0.13 s. One vertex table with chains a position
-//! instead of a hash map of corners: nothing is hashed for a vertex.
+//! Measured (release build, one core of a busy two-core server, 2026-11): 871,414 triangles in 30 MB of text take 0.3 to
+//! 0.5 s and 77 MB at the peak, the text included; 303,876 triangles (12 MB) 0.13 s. One vertex table with chains a
+//! position instead of a hash map of corners: nothing is hashed for a vertex.
 
 mod build;
 mod check;

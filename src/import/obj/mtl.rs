@@ -246,15 +246,12 @@ fn convert(parsed: &tobj::Material, doubts: &mut Vec<String>) -> Material {
 fn optics(parsed: &tobj::Material, illum: u8, ks: Rgb, doubts: &mut Vec<String>) -> Optics {
     let filter = color_of(parsed, "Tf").unwrap_or([1.0; 3]);
     let opacity = opacity(parsed, doubts);
-    let index = match parsed.optical_density {
-        Some(ni) if ni > 0.0 => ni,
-        Some(ni) => {
-            if matches!(illum, 6 | 7) {
-                doubts.push(format!("Ni {ni} is taken as 1"));
-            }
-            1.0
-        }
-        None => 1.0,
+    let index = parsed.optical_density.unwrap_or(1.0);
+    let index = if index > 0.0 {
+        index
+    } else {
+        doubts.push(format!("Ni {index} is taken as 1"));
+        1.0
     };
     let through: Rgb = std::array::from_fn(|c| (1.0 - ks[c]) * filter[c]);
     let mut optics = Optics::default();
