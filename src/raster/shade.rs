@@ -4,6 +4,9 @@
 //! lights each vertex that a tile sees once a tile; per-fragment shading lights each visible sample. Both go through
 //! [`Batches`], so the equation always meets many points of one material.
 //!
+//! Keeping the current triangle in place instead of moving it in and out of an Option for each pixel, and writing hot
+//! closures out (array::map does not inline here), are why the loops look as they do.
+//!
 //! GL's clamps stand where the GL has them (GL 2.1 sections 2.14.6 and 3.9): each lit point's colour (primary and secondary
 //! apart under separate specular), then the sum at the fragment.
 
