@@ -73,8 +73,8 @@ impl fmt::Display for Place {
 pub enum Error {
     /// The input file says something that is wrong.
     Input {
-        /// Where.
-        place: Place,
+        /// Where (boxed: errors are passed on often and looked at once).
+        place: Box<Place>,
         /// What is wrong and what was expected, one sentence, without the place.
         message: String,
         /// What to do about it, where there is more to say than the message does.
@@ -83,7 +83,7 @@ pub enum Error {
     /// The input is legal, but asks for something that rastray does not do.
     Unsupported {
         /// Where.
-        place: Option<Place>,
+        place: Option<Box<Place>>,
         /// What is not supported.
         message: String,
         /// What to do instead.
@@ -120,7 +120,7 @@ impl Error {
     /// An [`Error::Input`] at a place.
     pub fn input(place: Place, message: impl Into<String>) -> Self {
         Self::Input {
-            place,
+            place: Box::new(place),
             message: message.into(),
             help: None,
         }
@@ -168,7 +168,7 @@ impl Error {
     pub fn place(&self) -> Option<&Place> {
         match self {
             Self::Input { place, .. } => Some(place),
-            Self::Unsupported { place, .. } => place.as_ref(),
+            Self::Unsupported { place, .. } => place.as_deref(),
             _ => None,
         }
     }

@@ -161,21 +161,21 @@ pub fn decompose<R: Real>(
         rungs: Vec::new(),
         work: Vec::new(),
     };
-    let (raster_layers, raster_color, per_fragment) = climb.raster(&assembly)?;
+    let rasterized = climb.raster(&assembly)?;
     let cast = climb.cast_on_triangles(&assembly)?;
-    let (local_layers, trace_layers, trace_color) = climb.trace(&assembly)?;
+    let traced = climb.trace(&assembly)?;
     progress("agreement");
-    let agreement = agreement::measure(scene, &assembly, options, per_fragment, cast)?;
+    let agreement = agreement::measure(scene, &assembly, options, rasterized.per_fragment, cast)?;
     let mut ladder = Ladder {
         rungs: Vec::new(),
         limited_pixels: 0,
         residual_max: 0.0,
         agreement,
-        raster_layers,
-        local_layers,
-        trace_layers,
-        trace_color,
-        raster_color,
+        raster_layers: rasterized.layers,
+        local_layers: traced.local,
+        trace_layers: traced.layers,
+        trace_color: traced.color,
+        raster_color: rasterized.color,
         triangles: assembly.triangles.len(),
         work: climb.work,
     };
@@ -183,6 +183,20 @@ pub fn decompose<R: Real>(
     ladder.rungs = climb.rungs;
     ladder.residual_max = residual(&ladder);
     Ok(ladder)
+}
+
+/// What the rasterizer leaves: layers and picture of rung 2, and the frame of rung 3.
+struct Rasterized<R> {
+    layers: Layers<f32>,
+    color: Plane<[f32; 3]>,
+    per_fragment: Frame<R>,
+}
+
+/// What the tracer leaves: the layers of rung 5, and layers and picture of rung 8.
+struct Traced {
+    local: Layers<f32>,
+    layers: Layers<f32>,
+    color: Plane<[f32; 3]>,
 }
 
 /// The renders of the ladder in order.
@@ -195,11 +209,8 @@ struct Climb<'a> {
 }
 
 impl Climb<'_> {
-    /// Rungs 0 to 3. Returns the layers and picture of rung 2, and the frame of rung 3.
-    fn raster<R: Real>(
-        &mut self,
-        assembly: &Assembly<R>,
-    ) -> Result<(Layers<f32>, Plane<[f32; 3]>, Frame<R>), Error> {
+    /// Rungs 0 to 3.
+    fn raster<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Rasterized<R>, Error> {
         let plan = raster::Plan::new(self.scene, assembly, self.options.model);
         let shading = self.scene.raster.shading;
         let options = |shading, clamp, layers| raster::Options {
@@ -221,7 +232,11 @@ impl Climb<'_> {
             .as_ref()
             .map(Layers::to_f32)
             .unwrap_or_default();
-        Ok((layers, unclamped.color_f32(), per_fragment))
+        Ok(Rasterized {
+            layers,
+            color: unclamped.color_f32(),
+            per_fragment,
+        })
     }
 
     /// Rung 4.
@@ -238,11 +253,8 @@ impl Climb<'_> {
         Ok(frame)
     }
 
-    /// Rungs 5 to 9. Returns the layers of rung 5, and layers and picture of rung 8.
-    fn trace<R: Real>(
-        &mut self,
-        assembly: &Assembly<R>,
-    ) -> Result<(Layers<f32>, Layers<f32>, Plane<[f32; 3]>), Error> {
+    /// Rungs 5 to 9.
+    fn trace<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Traced, Error> {
         let plan = trace::Plan::new(
             self.scene,
             assembly,
@@ -262,7 +274,7 @@ impl Climb<'_> {
             reflection: reflection && asked.reflection,
             refraction: refraction && asked.refraction,
             layers,
-            ..full.clone()
+            ..full
         };
         let shadowed = self.draw_trace(&plan, "6", &step(false, false, false))?;
         self.rungs.push(values(&shadowed.color));
@@ -278,7 +290,11 @@ impl Climb<'_> {
                 .map(Layers::to_f32)
                 .unwrap_or_default()
         };
-        Ok((layers(&local), layers(&complete), complete.color_f32()))
+        Ok(Traced {
+            local: layers(&local),
+            layers: layers(&complete),
+            color: complete.color_f32(),
+        })
     }
 
     fn draw_raster<R: Real>(

@@ -107,7 +107,7 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
         }
         "obj" => load_obj(name, &file, home, &stem, options),
         other => Err(Error::Unsupported {
-            place: Some(Place::file(name)),
+            place: Some(Box::new(Place::file(name))),
             message: match other {
                 "" => "a scene file needs an extension".into(),
                 other => format!("files of type .{other} are not imported"),

@@ -330,7 +330,7 @@ fn unknown_key(document: &Document, path: &str, key: &Key, keys: &[&KeyInfo]) ->
 /// [`Error::Unsupported`] at a value.
 pub(crate) fn unsupported(document: &Document, node: &Node, what: &str, reason: &str) -> Error {
     Error::Unsupported {
-        place: Some(document.place(&node.span)),
+        place: Some(Box::new(document.place(&node.span))),
         message: format!("{what} is not supported: {reason}"),
         help: None,
     }

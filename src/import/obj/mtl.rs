@@ -153,7 +153,7 @@ impl Cleaner<'_> {
             .unwrap_or_default();
         if first == "spectral" || first == "xyz" {
             return Err(Error::Unsupported {
-                place: Some(place(self.file, self.bytes, keyword)),
+                place: Some(Box::new(place(self.file, self.bytes, keyword))),
                 message: format!("`{name} {first}` is not supported: write red, green and blue"),
                 help: None,
             });
