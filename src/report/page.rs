@@ -37,6 +37,8 @@ pub struct Report {
     pub trace: Plane<[f32; 3]>,
     /// Trace minus raster, signed.
     pub difference: Map,
+    /// Magnitude of the same, in false colours.
+    pub error: Map,
     /// One signed map for each of `summary.causes`, in the same order.
     pub cause_maps: Vec<Map>,
     /// The layers of the traced picture, such as `diffuse.key`, in the order of their sum.
@@ -84,7 +86,7 @@ impl Report {
                         (self.growth()?)
                         (self.term_pictures()?)
                         (sections::agreement(&self.summary))
-                        (sections::numbers(self))
+                        (sections::numbers(self)?)
                         (sections::work(&self.summary))
                         (sections::origin(self))
                     }
@@ -355,7 +357,7 @@ pub(super) mod tests {
     use super::*;
     use crate::gl::SpecularModel;
     use crate::report::summary::tests::example as example_summary;
-    use rastray_compare::{Reduction, signed_map};
+    use rastray_compare::{Reduction, magnitude_map, signed_map};
 
     /// 24 x 16 with a gradient; names that need escaping.
     pub(in crate::report) fn example() -> Report {
@@ -381,6 +383,7 @@ pub(super) mod tests {
             raster: plane(0.5),
             trace: plane(1.0),
             difference: map.clone(),
+            error: magnitude_map(24, 16, &vec![[0.25; 3]; 24 * 16], Reduction::Largest).unwrap(),
             cause_maps: vec![map; 9],
             terms: ["emission", "diffuse.a/b"]
                 .map(|name| NamedPlane {
@@ -446,6 +449,7 @@ pub(super) mod tests {
             raster: pixel.clone(),
             trace: pixel,
             difference: map,
+            error: magnitude_map(1, 1, &[[0.0; 3]], Reduction::Largest).unwrap(),
             cause_maps: Vec::new(),
             terms: Vec::new(),
             buildup: Vec::new(),
