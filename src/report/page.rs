@@ -62,6 +62,14 @@ pub struct NamedPlane {
     pub plane: Plane<[f32; 3]>,
 }
 
+impl NamedPlane {
+    /// The largest magnitude of a value.
+    fn largest(&self) -> f32 {
+        let values = self.plane.data.as_flattened().iter();
+        values.fold(0.0, |m: f32, v| m.max(v.abs()))
+    }
+}
+
 /// Width that pictures of overviews come near to.
 const OVERVIEW: usize = 480;
 
@@ -192,32 +200,13 @@ impl Report {
 
     /// The layers of the traced picture.
     fn term_pictures(&self) -> Result<Markup, Error> {
-        let picture = |term: &NamedPlane| -> Result<Markup, Error> {
-            let largest = term
-                .plane
-                .data
-                .as_flattened()
-                .iter()
-                .fold(0.0, |m: f32, v| m.max(v.abs()));
-            let black = largest == 0.0;
-            let alt = format!(
-                "The term {}, largest value {}",
-                term.name,
-                value(f64::from(largest))
-            );
-            Ok(html! {
-                figure {
-                    (overview(&term.plane, self.view, &alt)?)
-                    figcaption {
-                        strong { (term.name) }
-                        @if black { "zero everywhere" } @else { "at most " (value(f64::from(largest))) }
-                    }
-                }
-            })
-        };
-        let pictures: Vec<Markup> = self.terms.iter().map(picture).collect::<Result<_, _>>()?;
+        let (shown, zero): (Vec<&NamedPlane>, Vec<&NamedPlane>) =
+            self.terms.iter().partition(|term| term.largest() > 0.0);
+        let pictures = shown.into_iter().map(|term| self.term_picture(term));
+        let pictures: Vec<Markup> = pictures.collect::<Result<_, _>>()?;
+        let zero: Vec<&str> = zero.iter().map(|term| term.name.as_str()).collect();
         Ok(html! {
-            @if !pictures.is_empty() {
+            @if !self.terms.is_empty() {
                 section {
                     h2 { "The terms of the traced picture" }
                     p {
@@ -225,7 +214,19 @@ impl Report {
                         "specular. Values outside 0…1 are cut off here, not in " code { "layers.exr" } "."
                     }
                     div.grid.four { @for picture in &pictures { (picture) } }
+                    @if !zero.is_empty() { p { "Zero everywhere: " (zero.join(", ")) "." } }
                 }
+            }
+        })
+    }
+
+    fn term_picture(&self, term: &NamedPlane) -> Result<Markup, Error> {
+        let largest = value(f64::from(term.largest()));
+        let alt = format!("The term {}, largest value {largest}", term.name);
+        Ok(html! {
+            figure {
+                (overview(&term.plane, self.view, &alt)?)
+                figcaption { strong { (term.name) } "at most " (largest) }
             }
         })
     }

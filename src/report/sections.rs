@@ -239,7 +239,7 @@ pub(super) fn numbers(report: &Report) -> Result<Markup, Error> {
                     }
                 }
             }
-            div.grid.three {
+            div.grid.half {
                 figure {
                     (map_picture(&report.error, &alt)?)
                     figcaption { strong { "error" } "Magnitude of trace − raster: the lighter, the larger." }
