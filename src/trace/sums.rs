@@ -139,7 +139,7 @@ impl Mean {
         }
         for (pixel, rest) in rest.iter_mut().enumerate() {
             let layers = named.iter().map(|layer| layer[pixel]);
-            *rest = closing(out.color[pixel], layers, signed);
+            *rest = remainder(out.color[pixel], layers, signed);
         }
     }
 }
@@ -148,24 +148,4 @@ fn add_to<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
     for (s, x) in sum.iter_mut().zip(value) {
         *s += x.to_f64();
     }
-}
-
-/// The remainder layer's value: added last, it makes the sum of the layers the picture, bit for bit.
-fn closing<R: Real>(color: [R; 3], layers: impl Iterator<Item = [R; 3]>, signed: bool) -> [R; 3] {
-    if !signed {
-        let sum = sum_in_order(layers, false);
-        return [0, 1, 2].map(|c| remainder(color[c], sum[c]));
-    }
-    let mut sum = [0.0; 3];
-    for layer in layers {
-        add_to(&mut sum, layer);
-    }
-    [0, 1, 2].map(|c| {
-        let guess = R::from_f64(color[c].to_f64() - sum[c]);
-        let closes = |x: &R| R::from_f64(sum[c] + x.to_f64()) == color[c];
-        [guess, guess.next_up(), guess.next_down()]
-            .into_iter()
-            .find(closes)
-            .unwrap_or(guess)
-    })
 }
