@@ -57,11 +57,15 @@ impl<R: Real> Sums<R> {
     pub(super) fn add(&mut self, layer: usize, pixel: usize, weight: [f64; 3], value: [R; 3]) {
         let sum = &mut self.bounced[layer][pixel];
         for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
-            *s = if self.signed {
+            let next = if self.signed {
                 *s + w * x.to_f64()
             } else {
                 (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
             };
+            // Weights above 1 may grow beyond `R`: infinity times 0, or less infinity, has no value and counts as 0.
+            if !next.is_nan() {
+                *s = next;
+            }
         }
     }
 
