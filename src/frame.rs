@@ -3,7 +3,11 @@
 //! Row 0 is the top row. Colours are linear and unclamped until somebody clamps them by name. `R` is the precision of
 //! the render; files hold f32.
 
+use crate::error::Error;
 use crate::lanes::Real;
+
+/// The most pixels that the layers of one picture may have together: 3 GiB in f32.
+pub const MAX_LAYER_PIXELS: u64 = 1 << 28;
 
 /// A rectangle of values, row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +136,23 @@ impl LayerIndex {
     pub fn count(self) -> usize {
         self.local() + 3
     }
+
+    /// Refuses layers that would fill the memory.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] beyond [`MAX_LAYER_PIXELS`].
+    pub fn check_size(self, width: u32, height: u32) -> Result<(), Error> {
+        let pixels = u64::from(width) * u64::from(height);
+        if (self.count() as u64).saturating_mul(pixels) <= MAX_LAYER_PIXELS {
+            return Ok(());
+        }
+        Err(Error::limit(format!(
+            "{} lights make {} layers of {width}x{height} pixels, more than {MAX_LAYER_PIXELS} pixels together",
+            self.lights,
+            self.count()
+        ))
+        .with_help("draw it smaller, with --size, or disable lights"))
+    }
 }
 
 impl<R: Real> Layers<R> {
@@ -246,6 +267,20 @@ mod tests {
         assert_eq!(layers.names[index.reflection()], "reflection");
         assert_eq!(layers.names[index.remainder()], "remainder");
         assert_eq!(layers.names.len(), index.count());
+    }
+
+    #[test]
+    fn layers_have_a_limit() {
+        assert!(LayerIndex { lights: 10 }.check_size(1920, 1080).is_ok());
+        // 9 layers of 2^25 pixels are more than 2^28, 8 would not be.
+        let error = LayerIndex { lights: 2 }.check_size(1 << 13, 1 << 12);
+        assert!(matches!(error, Err(Error::Limit { .. })));
+        let lights = u32::MAX as usize;
+        assert!(
+            LayerIndex { lights }
+                .check_size(u32::MAX, u32::MAX)
+                .is_err()
+        );
     }
 
     #[test]
