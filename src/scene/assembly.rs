@@ -45,7 +45,7 @@ impl<R: Real> Assembly<R> {
     /// Assembles the scene's triangles at a tessellation level (64 where `None`; objects may state their own).
     ///
     /// # Errors
-    /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`].
+    /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`], or a vertex the numbers that `R` holds.
     pub fn new(scene: &Scene, level: Option<u32>) -> Result<Self, Error> {
         let mut assembly = Self::default();
         for (index, object) in scene.objects.iter().enumerate() {
@@ -59,7 +59,9 @@ impl<R: Real> Assembly<R> {
                 .with_help("lower the tessellation"));
             }
             let keeps_outward = matches!(object.geometry, Geometry::Shape(_));
+            let vertices = assembly.position_world.len();
             assembly.add(scene, object, index as u32, &mesh, keeps_outward);
+            assembly.check_range(vertices, &object.name)?;
             assembly
                 .triangle_range
                 .push(first..assembly.triangles.len() as u32);
@@ -85,6 +87,23 @@ impl<R: Real> Assembly<R> {
             self.normal_eye[1][v],
             self.normal_eye[2][v],
         ]
+    }
+
+    /// Refuses vertices from number `first` on that rounding to `R` made infinite.
+    fn check_range(&self, first: usize, object: &str) -> Result<(), Error> {
+        let [x, y, z] = &self.position_eye;
+        let eye = [x, y, z]
+            .into_iter()
+            .all(|axis| axis[first..].iter().all(|v| v.is_finite()));
+        let world = self.position_world[first..].iter().flatten();
+        if eye && world.into_iter().all(|v| v.is_finite()) {
+            return Ok(());
+        }
+        let message = format!(
+            "object {object}: reaches farther than {:.1e} from the eye or the origin, the range of this precision",
+            R::MAX.to_f64()
+        );
+        Err(Error::limit(message).with_help("scale the scene down, or use --precision f64"))
     }
 
     fn add(&mut self, scene: &Scene, object: &Object, index: u32, mesh: &Mesh, outward: bool) {
