@@ -48,6 +48,12 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         Some(path) if path == Path::new("-") => Format::Png,
         Some(path) => Format::of_path(path)?,
     };
+    if let Some(path) = &output {
+        files::check_target(path, "--output")?;
+    }
+    if let Some(path) = &args.stats {
+        files::check_target(path, "--stats")?;
+    }
     if args.layers && format != Format::Exr {
         return Err(
             Error::parameter("--layers", "only .exr files hold named layers")
