@@ -151,6 +151,7 @@ fn write(path: &Path, done: &Done, view: View, verbosity: Verbosity) -> Result<(
 fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
     let start = Instant::now();
     let assembly = Assembly::<R>::new(scene, job.quality.level)?;
+    assembly.check_range(scene)?;
     let assemble_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let (mut frame, counters, plan_seconds, render_seconds) = match job.mode {

@@ -156,6 +156,7 @@ pub fn decompose<R: Real>(
     LayerIndex { lights }.check_size(image.width, image.height)?;
     progress("triangles");
     let assembly = Assembly::<R>::new(scene, options.level)?;
+    assembly.check_range(scene)?;
     let mut climb = Climb {
         scene,
         options,

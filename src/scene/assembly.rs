@@ -45,7 +45,7 @@ impl<R: Real> Assembly<R> {
     /// Assembles the scene's triangles at a tessellation level (64 where `None`; objects may state their own).
     ///
     /// # Errors
-    /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`], or a vertex the numbers that `R` holds.
+    /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`].
     pub fn new(scene: &Scene, level: Option<u32>) -> Result<Self, Error> {
         let mut assembly = Self::default();
         for (index, object) in scene.objects.iter().enumerate() {
@@ -59,9 +59,7 @@ impl<R: Real> Assembly<R> {
                 .with_help("lower the tessellation"));
             }
             let keeps_outward = matches!(object.geometry, Geometry::Shape(_));
-            let vertices = assembly.position_world.len();
             assembly.add(scene, object, index as u32, &mesh, keeps_outward);
-            assembly.check_range(vertices, &object.name)?;
             assembly
                 .triangle_range
                 .push(first..assembly.triangles.len() as u32);
@@ -89,16 +87,24 @@ impl<R: Real> Assembly<R> {
         ]
     }
 
-    /// Refuses vertices from number `first` on that rounding to `R` made infinite.
-    fn check_range(&self, first: usize, object: &str) -> Result<(), Error> {
-        let [x, y, z] = &self.position_eye;
-        let eye = [x, y, z]
-            .into_iter()
-            .all(|axis| axis[first..].iter().all(|v| v.is_finite()));
-        let world = self.position_world[first..].iter().flatten();
-        if eye && world.into_iter().all(|v| v.is_finite()) {
+    /// Refuses vertices that rounding to `R` made infinite: the renderers leave their triangles out.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] that names the first such object.
+    pub fn check_range(&self, scene: &Scene) -> Result<(), Error> {
+        let finite = |v: u32| {
+            let world = self.position_world[v as usize];
+            let eye = self.vertex_eye(v);
+            world.iter().chain(&eye).all(|x| x.is_finite())
+        };
+        let found = self
+            .triangles
+            .iter()
+            .position(|t| !t.iter().all(|v| finite(*v)));
+        let Some(triangle) = found else {
             return Ok(());
-        }
+        };
+        let object = &scene.objects[self.object[triangle] as usize].name;
         let message = format!(
             "object {object}: reaches farther than {:.1e} from the eye or the origin, the range of this precision",
             R::MAX.to_f64()
