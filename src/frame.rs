@@ -3,7 +3,11 @@
 //! Row 0 is the top row. Colours are linear and unclamped until somebody clamps them by name. `R` is the precision of
 //! the render; files hold f32.
 
+use crate::error::Error;
 use crate::lanes::Real;
+
+/// The most pixels that the layers of one picture may have together: 3 GiB in f32.
+pub const MAX_LAYER_PIXELS: u64 = 1 << 28;
 
 /// A rectangle of values, row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +136,23 @@ impl LayerIndex {
     pub fn count(self) -> usize {
         self.local() + 3
     }
+
+    /// Refuses layers that would fill the memory.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] beyond [`MAX_LAYER_PIXELS`].
+    pub fn check_size(self, width: u32, height: u32) -> Result<(), Error> {
+        let pixels = u64::from(width) * u64::from(height);
+        if (self.count() as u64).saturating_mul(pixels) <= MAX_LAYER_PIXELS {
+            return Ok(());
+        }
+        Err(Error::limit(format!(
+            "{} lights make {} layers of {width}x{height} pixels, more than {MAX_LAYER_PIXELS} pixels together",
+            self.lights,
+            self.count()
+        ))
+        .with_help("draw it smaller, with --size, or disable lights"))
+    }
 }
 
 impl<R: Real> Layers<R> {
@@ -197,28 +218,41 @@ pub fn sum_in_order<R: Real>(values: impl Iterator<Item = [R; 3]>, signed: bool)
     }
 }
 
-/// What has to be added, last, to `sum` so that the result is `picture` bit for bit.
+/// The remainder layer of a pixel: added last, it makes the sum of `layers` in their order the picture, bit for bit.
 ///
-/// The plain difference is exact where the two are within a factor of 2 (Sterbenz), as rounding leaves sums of
-/// non-negative terms. Where terms of both signs cancel to less than their rounding, a neighbouring number is tried; if
-/// the picture is finer than any sum with `sum` can be, the nearest is returned.
-pub fn remainder<R: Real>(picture: R, sum: R) -> R {
-    let guess = picture - sum;
-    if sum + guess == picture {
-        return guess;
+/// The sum is [`sum_in_order`]'s. +0 where the layers alone give the picture; else the difference rounded to `R`, or a
+/// neighbour of it. One of them closes the sum wherever the picture is not far smaller than the difference, as rounding
+/// leaves it. Where terms of both signs cancel to a picture finer than any `R` can make of their sum, the sum stays off
+/// by at most the rounding of the difference. Never NaN.
+pub fn remainder<R: Real>(
+    picture: [R; 3],
+    layers: impl Iterator<Item = [R; 3]>,
+    signed: bool,
+) -> [R; 3] {
+    let sum = if signed {
+        sum_in_order(layers.map(|layer| layer.map(Real::to_f64)), true)
+    } else {
+        sum_in_order(layers, false).map(Real::to_f64)
+    };
+    [0, 1, 2].map(|c| difference(picture[c], sum[c]))
+}
+
+/// One component of [`remainder`].
+fn difference<R: Real>(picture: R, sum: f64) -> R {
+    // A sum of two f32 in f64, rounded, is their f32 sum (53 >= 2 x 24 + 2), so this is the last addition in `R`, too.
+    let closes = |x: R| R::from_f64(sum + x.to_f64()) == picture;
+    if closes(R::ZERO) {
+        return R::ZERO;
     }
+    let guess = R::from_f64(picture.to_f64() - sum);
     let (mut up, mut down) = (guess, guess);
     for _ in 0..4 {
-        up = up.next_up();
-        down = down.next_down();
-        if sum + up == picture {
-            return up;
+        if let Some(found) = [up, down].into_iter().find(|x| closes(*x)) {
+            return found;
         }
-        if sum + down == picture {
-            return down;
-        }
+        (up, down) = (up.next_up(), down.next_down());
     }
-    guess
+    if guess.is_finite() { guess } else { R::ZERO }
 }
 
 #[cfg(test)]
@@ -236,6 +270,20 @@ mod tests {
     }
 
     #[test]
+    fn layers_have_a_limit() {
+        assert!(LayerIndex { lights: 10 }.check_size(1920, 1080).is_ok());
+        // 9 layers of 2^25 pixels are more than 2^28, 8 would not be.
+        let error = LayerIndex { lights: 2 }.check_size(1 << 13, 1 << 12);
+        assert!(matches!(error, Err(Error::Limit { .. })));
+        let lights = u32::MAX as usize;
+        assert!(
+            LayerIndex { lights }
+                .check_size(u32::MAX, u32::MAX)
+                .is_err()
+        );
+    }
+
+    #[test]
     fn signed_sums_survive_cancellation() {
         let values = [[1e8f32; 3], [1.0; 3], [-1e8; 3]];
         assert_eq!(sum_in_order(values.into_iter(), true), [1.0; 3]);
@@ -243,14 +291,73 @@ mod tests {
     }
 
     #[test]
-    fn remainder_closes_the_sum() {
+    fn remainder_closes_plain_sums() {
         for (picture, sum) in [
             (0.3f32, 0.299_999_95f32),
             (1e-10, 1.9e-10),
             (1.0, 1.000_000_1),
             (5.0, 0.0),
         ] {
-            assert_eq!(sum + remainder(picture, sum), picture);
+            let layers = [[sum; 3]];
+            let rest = remainder([picture; 3], layers.into_iter(), false);
+            assert_eq!(sum + rest[0], picture);
+        }
+        let whole = remainder([0.3f32; 3], [[0.1; 3], [0.2; 3]].into_iter(), false);
+        assert_eq!(whole[0].to_bits(), (0.3f32 - (0.1f32 + 0.2)).to_bits());
+        assert_eq!(
+            remainder([1.0f32; 3], [[1.0; 3]].into_iter(), true),
+            [0.0; 3]
+        );
+    }
+
+    /// Layers of both signs, each rounded once, and the picture rounded from their exact sum: what several samples leave.
+    #[test]
+    fn remainder_closes_signed_sums() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let mut closed = 0;
+        for round in 0..20_000 {
+            let mut exact: Vec<f64> = (0..7).map(|_| random()).collect();
+            // Every other round the terms cancel to a small part of themselves.
+            if round % 2 == 1 {
+                let rest: f64 = exact[..6].iter().sum();
+                exact[6] = random() * 2f64.powi(-(round % 20)) - rest;
+            }
+            let picture = [exact.iter().sum::<f64>() as f32; 3];
+            let mut layers: Vec<[f32; 3]> = exact.iter().map(|x| [*x as f32; 3]).collect();
+            let rest = remainder(picture, layers.iter().copied(), true);
+            layers.push(rest);
+            let sum = sum_in_order(layers.iter().copied(), true);
+            if rest[0].abs() < picture[0].abs() {
+                assert_eq!(sum, picture, "round {round}");
+            } else {
+                let off = (sum[0] - picture[0]).abs();
+                assert!(off <= rest[0].abs() * f32::EPSILON, "round {round}: {off}");
+            }
+            closed += usize::from(sum == picture && rest != [0.0; 3]);
+        }
+        assert!(closed > 5_000, "only {closed} rounds needed a remainder");
+    }
+
+    #[test]
+    fn remainder_of_what_cannot_be_closed_is_the_nearest_and_finite() {
+        // 1 + 2^-52 as a sum of f32 layers; no f32 takes it to 2^-60.
+        let layers = [[1.0f32; 3], [2f32.powi(-52); 3]];
+        let rest = remainder([2f32.powi(-60); 3], layers.into_iter(), true);
+        assert_eq!(rest, [-1.0; 3]);
+        let infinite = [[f32::INFINITY; 3]];
+        for picture in [1.0, f32::INFINITY] {
+            for signed in [false, true] {
+                assert_eq!(
+                    remainder([picture; 3], infinite.into_iter(), signed),
+                    [0.0; 3]
+                );
+            }
         }
     }
 }

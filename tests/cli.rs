@@ -257,3 +257,101 @@ fn inspect_names_features_and_reasons() {
     }
     assert!(ok(folder.path(), &["inspect", "whitted"]).contains("Requires"));
 }
+
+#[test]
+fn outputs_that_cannot_be_written_are_told_before_the_work() {
+    let folder = folder();
+    std::fs::write(folder.path().join("file"), "x").expect("writable");
+    // So large that drawing first would take minutes.
+    let big = ["--size", "8192x8192", "--samples", "4096"];
+    for (command, output, wanted) in [
+        ("render", "missing/a.png", "there is no folder missing"),
+        ("render", "file/a.png", "file is a file"),
+        ("compare", "file", "expected a folder"),
+        ("compare", "file/a", "expected a folder"),
+    ] {
+        let args = [&[command, "whitted", "-o", output], &big[..]].concat();
+        let message = error(folder.path(), &args);
+        assert!(message.contains(wanted), "{message}");
+    }
+    let args = ["render", "whitted", "--stats", "missing/s.json"];
+    let message = error(folder.path(), &[&args, &big[..]].concat());
+    assert!(message.contains("--stats: missing/s.json"), "{message}");
+}
+
+/// The values of a picture, none of which may be NaN.
+fn values(folder: &Path, args: &[&str]) -> Vec<f32> {
+    ok(
+        folder,
+        &[args, &["--size", "16x12", "-o", "a.pfm"]].concat(),
+    );
+    let bytes = std::fs::read(folder.join("a.pfm")).expect("written");
+    let values: Vec<f32> = bytes[bytes.len() - 16 * 12 * 12..]
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect();
+    assert!(values.iter().all(|x| !x.is_nan()), "{args:?}");
+    values
+}
+
+/// Infinite intensities and weights that grow without bound are defined, and leave no NaN (numerics: "times 0 -> 0").
+#[test]
+fn infinite_light_leaves_no_nan() {
+    let folder = folder();
+    let scene = "[camera]\neye = [0, 0, 0.2]\ntarget = [0.1, 0.2, -1]\nnear = 0.001\n\
+        [light.key]\nposition = [0, 0, 0.5]\n[material.mirror]\ncolor = 0.1\nreflection = 1\n\
+        [object.a]\nshape = \"plane\"\ncenter = [0, 0, -1]\nnormal = [0, 0, 1]\nmaterial = \"mirror\"\nsize = 1000\n\
+        [object.b]\nshape = \"plane\"\ncenter = [0, 0, 1]\nnormal = [0, 0, -1]\nmaterial = \"mirror\"\nsize = 1000\n";
+    std::fs::write(folder.path().join("mirrors.toml"), scene).expect("writable");
+    let traced = [
+        "render",
+        "mirrors.toml",
+        "--mode",
+        "trace",
+        "--depth",
+        "2000",
+    ];
+    for weight in ["1e3", "1e30", "-2"] {
+        let set = format!("material.mirror.reflection={weight}");
+        for precision in ["f32", "f64"] {
+            let args = ["--precision", precision, "--set", &set];
+            values(folder.path(), &[&traced, &args[..]].concat());
+        }
+    }
+    for shading in ["flat", "gouraud", "phong"] {
+        let args = [
+            "--shading",
+            shading,
+            "--set",
+            "light.key.attenuation=[0,0,0]",
+        ];
+        let drawn = values(
+            folder.path(),
+            &[&["render", "mirrors.toml"], &args[..]].concat(),
+        );
+        assert!(drawn.contains(&f32::INFINITY), "{shading}");
+    }
+    let set = "light.key.attenuation=[0,0,0]";
+    let args = ["compare", "mirrors.toml", "--size", "16x12", "--set", set];
+    ok(folder.path(), &args);
+}
+
+#[test]
+fn what_exceeds_memory_or_precision_is_refused() {
+    let folder = folder();
+    let args = ["compare", "whitted", "--size", "16384x8192"];
+    assert!(error(folder.path(), &args).contains("layers of 16384x8192 pixels"));
+    let scene = "[object.ball]\nshape = \"sphere\"\nradius = 3e38\n\
+        transform = [{ scale = 1e10 }]\n[camera]\neye = [0, 0, 5]\nnear = 1\n";
+    std::fs::write(folder.path().join("huge.toml"), scene).expect("writable");
+    let message = error(folder.path(), &["render", "huge.toml"]);
+    assert!(
+        message.contains("object ball: reaches farther"),
+        "{message}"
+    );
+    assert!(message.contains("--precision f64"), "{message}");
+    ok(
+        folder.path(),
+        &["render", "huge.toml", "--precision", "f64"],
+    );
+}

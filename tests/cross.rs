@@ -172,6 +172,68 @@ fn layers_of<R: Real>(scene: &Scene, name: &str) {
     );
 }
 
+/// A light that takes light away: sums of both signs, in every shading and with several samples.
+#[test]
+fn layers_add_up_where_colours_are_negative() {
+    for samples in [1, 4] {
+        let mut scene = scene("lights", 96, 72);
+        scene.image.samples = samples;
+        scene.lights[1].source.diffuse = [-0.7, -0.3, -1.1];
+        signed_layers_of::<f32>(&scene);
+        signed_layers_of::<f64>(&scene);
+    }
+}
+
+fn signed_layers_of<R: Real>(scene: &Scene) {
+    let isa = Isa::detect();
+    for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
+        let options = raster::Options {
+            shading,
+            clamp: false,
+            layers: true,
+            isa,
+        };
+        assert_signed_sum(&draw_raster::<R>(scene, &options));
+    }
+    let options = trace::Options {
+        layers: true,
+        ..trace::Options::of(scene, isa)
+    };
+    assert_signed_sum(&draw_trace::<R>(scene, &options));
+}
+
+/// Bit for bit wherever the picture is larger than its remainder; else within the remainder's own rounding.
+fn assert_signed_sum<R: Real>(frame: &Frame<R>) {
+    let layers = frame.layers.as_ref().expect("layers were asked for");
+    assert!(layers.signed);
+    let rest = &layers.planes.last().expect("a remainder layer").data;
+    let mut negative = 0;
+    for (pixel, color) in frame.color.data.iter().enumerate() {
+        let sum = layers.sum(pixel);
+        for c in 0..3 {
+            let (sum, color) = (sum[c].to_f64(), color[c].to_f64());
+            let rest = rest[pixel][c].to_f64().abs();
+            negative += u32::from(color < 0.0);
+            let allowed = if rest < color.abs() {
+                0.0
+            } else {
+                2.0 * R::ROUNDOFF.to_f64() * rest
+            };
+            assert!(
+                (sum - color).abs() <= allowed,
+                "pixel {pixel}, {c}: {sum} {color} {rest}"
+            );
+        }
+    }
+    assert!(negative > 100, "only {negative} values are negative");
+}
+
+/// Two modules that may not name each other list the causes; a reader must find the same ones in both.
+#[test]
+fn causes_are_explained_in_ladder_order() {
+    assert_eq!(CAUSES, rastray::report::causes::CAUSES.map(|c| c.name));
+}
+
 #[test]
 fn threads_and_instruction_sets_change_no_byte() {
     for shipped in shipped() {

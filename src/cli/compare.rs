@@ -31,10 +31,7 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("{}-compare", imported.scene.name)));
-    if path.is_file() {
-        let message = format!("{}: a file, expected a folder", path.display());
-        return Err(Error::parameter("--output", message));
-    }
+    files::check_folder(&path, "--output")?;
     let options = ladder_options(args, &quality);
     let step = |name: &str| verbosity.step(name);
     let ladder = match args.quality.precision {
@@ -68,9 +65,10 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
         settings: settings(args, &imported.scene, &quality),
     };
     verbosity.step("figures and page");
-    files::create_folder(&path)?;
-    files::write_bytes_atomic(&path.join("layers.exr"), &comparison.layers(view)?)?;
+    // All is encoded before the first file is written, so that an error leaves no part of a folder.
+    let layers = comparison.layers(view)?;
     report.write(&path)?;
+    files::write_bytes_atomic(&path.join("layers.exr"), &layers)?;
     verbosity.say(path.join("index.html").display());
     if args.json {
         let text = report.summary.to_json();

@@ -52,13 +52,12 @@ pub(crate) fn in_pool<T: Send>(
     work: impl FnOnce() -> Result<T, Error> + Send,
 ) -> Result<T, Error> {
     const MOST: usize = 1024;
-    let threads = threads.unwrap_or(0);
-    if threads > MOST {
-        return Err(Error::parameter(
-            "--threads",
-            format!("{threads}: expected 1 to {MOST}"),
-        ));
+    if let Some(n) = threads.filter(|n| !(1..=MOST).contains(n)) {
+        let error = Error::parameter("--threads", format!("{n}: expected 1 to {MOST}"));
+        return Err(error.with_help("leave it out for one worker a core"));
     }
+    // 0 lets the pool choose.
+    let threads = threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -48,6 +48,12 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         Some(path) if path == Path::new("-") => Format::Png,
         Some(path) => Format::of_path(path)?,
     };
+    if let Some(path) = &output {
+        files::check_target(path, "--output")?;
+    }
+    if let Some(path) = &args.stats {
+        files::check_target(path, "--stats")?;
+    }
     if args.layers && format != Format::Exr {
         return Err(
             Error::parameter("--layers", "only .exr files hold named layers")
@@ -145,6 +151,7 @@ fn write(path: &Path, done: &Done, view: View, verbosity: Verbosity) -> Result<(
 fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
     let start = Instant::now();
     let assembly = Assembly::<R>::new(scene, job.quality.level)?;
+    assembly.check_range(scene)?;
     let assemble_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let (mut frame, counters, plan_seconds, render_seconds) = match job.mode {

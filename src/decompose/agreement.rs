@@ -141,8 +141,13 @@ fn relative_error<R: Real>(a: &Frame<R>, b: &Frame<R>, pixel: usize) -> f64 {
         channel(0).max(channel(1)).max(channel(2))
     });
     let (a, b) = (a.color.data[pixel], b.color.data[pixel]);
-    let error = [0, 1, 2].map(|c| (a[c].to_f64() - b[c].to_f64()).abs());
-    error[0].max(error[1]).max(error[2]) / magnitude.max(1.0)
+    // Equal infinities agree; an infinite term allows every finite difference, and no infinite one.
+    let error = [0, 1, 2].map(|c| match (a[c].to_f64(), b[c].to_f64()) {
+        (a, b) if a == b => 0.0,
+        (a, b) if (a - b).is_finite() => (a - b).abs() / magnitude.max(1.0),
+        _ => f64::INFINITY,
+    });
+    error[0].max(error[1]).max(error[2])
 }
 
 /// Finds pixels whose visible point lies at a jump of the lighting equation.

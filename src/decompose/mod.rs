@@ -25,7 +25,7 @@ pub use agreement::{Agreement, Coverage};
 use std::time::Instant;
 
 use crate::error::Error;
-use crate::frame::{Frame, Layers, Plane};
+use crate::frame::{Frame, LayerIndex, Layers, Plane};
 use crate::gl::ShadeModel;
 use crate::lanes::{Isa, Real};
 use crate::math::color::quantize8;
@@ -152,8 +152,11 @@ pub fn decompose<R: Real>(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Ladder, Error> {
+    let (image, lights) = (&scene.image, scene.enabled_lights().count());
+    LayerIndex { lights }.check_size(image.width, image.height)?;
     progress("triangles");
     let assembly = Assembly::<R>::new(scene, options.level)?;
+    assembly.check_range(scene)?;
     let mut climb = Climb {
         scene,
         options,

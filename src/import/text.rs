@@ -91,8 +91,11 @@ fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
         return Err(folder(&name));
     }
     let too_long = || {
-        Error::limit(format!("{name} is longer than {} MiB", limit >> 20))
-            .with_help("keep large meshes in OBJ files")
+        let error = Error::limit(format!("{name} is longer than {} MiB", limit >> 20));
+        match limit {
+            MAX_TEXT => error.with_help("keep large meshes in OBJ files"),
+            _ => error.with_help("cut it into several files"),
+        }
     };
     if metadata.len() > limit {
         return Err(too_long());

@@ -129,7 +129,8 @@ fn cross_squared(a: [f64; 3], b: [f64; 3]) -> Pair {
 /// a <= b, to within the error of the arithmetic above.
 fn not_above(a: Pair, b: Pair) -> bool {
     let difference = add(a, (-b.0, -b.1));
-    let bound = b.0.abs() * 2f64.powi(-96);
+    const ROUNDOFF: f64 = 1.0 / (1u128 << 96) as f64;
+    let bound = b.0.abs() * ROUNDOFF;
     difference.0 <= bound
 }
 

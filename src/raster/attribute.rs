@@ -163,6 +163,35 @@ pub(super) fn mix3<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
     ]
 }
 
+/// [`mix3`] of colours, which may be infinite (a light whose attenuation vanishes): infinity times weight 0 is 0, and what
+/// has no value, infinity less infinity, is the corner of largest weight.
+#[inline(always)]
+pub(super) fn mix_colors<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
+    let mixed = mix3(b, c);
+    if mixed[0].is_finite() && mixed[1].is_finite() && mixed[2].is_finite() {
+        mixed
+    } else {
+        mix_infinite(b, c)
+    }
+}
+
+#[cold]
+fn mix_infinite<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
+    let largest = (1..3).fold(0, |i, k| if b[k] > b[i] { k } else { i });
+    [0, 1, 2].map(|channel| {
+        let corner = [0, 1, 2].map(|i| c[i][channel].to_f64());
+        let weighted = (0..3).filter(|i| b[*i] != 0.0).map(|i| b[i] * corner[i]);
+        let sum: f64 = weighted.sum();
+        if corner.iter().all(|x| x.is_finite()) {
+            R::from_f64(mix(b, corner))
+        } else if sum.is_nan() {
+            c[largest][channel]
+        } else {
+            R::from_f64(sum)
+        }
+    })
+}
+
 #[inline(always)]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
@@ -174,4 +203,21 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn infinite_colours_mix_without_nan() {
+        let inf = f32::INFINITY;
+        let mix = |b, c: [f32; 3]| mix_colors(b, c.map(|x| [x, 0.5, x]));
+        let third = [0.25, 0.25, 0.5];
+        assert_eq!(mix(third, [inf, inf, inf]), [inf, 0.5, inf]);
+        assert_eq!(mix(third, [inf, 1.0, 2.0]), [inf, 0.5, inf]);
+        assert_eq!(mix([0.0, 0.5, 0.5], [inf, 1.0, 2.0]), [1.5, 0.5, 1.5]);
+        assert_eq!(mix(third, [inf, 1.0, -inf]), [-inf, 0.5, -inf]);
+        assert_eq!(mix(third, [1.0, 2.0, 3.0]), [2.25, 0.5, 2.25]);
+    }
 }

@@ -7,7 +7,7 @@ use super::setup::{TILE, TileArea};
 use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
 use super::{Counters, Options, Plan};
-use crate::frame::{Frame, LayerIndex, NONE, remainder, sum_in_order};
+use crate::frame::{Frame, LayerIndex, NONE, remainder};
 use crate::lanes::Real;
 use crate::sampling::{self, Pattern};
 
@@ -331,8 +331,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
                     plane[y][x] = [R::ZERO; 3];
                 }
                 let values = planes[..last].iter().map(|plane| plane[y][x]);
-                let rest = close(picture[from], values, self.mode.signed);
-                planes[last][y][x] = rest;
+                planes[last][y][x] = remainder(picture[from], values, self.mode.signed);
             }
         }
     }
@@ -343,20 +342,4 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
 struct Places {
     offset: Vec<[i64; 2]>,
     ray: Vec<[f64; 2]>,
-}
-
-/// The layer that makes the sum of all layers the picture, bit for bit.
-fn close<R: Real>(picture: [R; 3], layers: impl Iterator<Item = [R; 3]>, signed: bool) -> [R; 3] {
-    if !signed {
-        let sum = sum_in_order(layers, false);
-        return [0, 1, 2].map(|k| remainder(picture[k], sum[k]));
-    }
-    let sum = sum_in_order(layers.map(|l| l.map(Real::to_f64)), false);
-    [0, 1, 2].map(|k| {
-        if R::from_f64(sum[k]) == picture[k] {
-            R::ZERO
-        } else {
-            R::from_f64(remainder(picture[k].to_f64(), sum[k]))
-        }
-    })
 }

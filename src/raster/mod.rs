@@ -36,7 +36,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::frame::{Frame, Layers};
+use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::lighting::Rig;
@@ -174,6 +174,11 @@ impl<'a, R: Real> Plan<'a, R> {
     /// As [`Plan::draw`].
     pub fn draw_into(&self, options: &Options, frame: &mut Frame<R>) -> Result<Counters, Error> {
         check_image(self.scene)?;
+        if options.layers {
+            let lights = self.rig.light_count();
+            let image = &self.scene.image;
+            LayerIndex { lights }.check_size(image.width, image.height)?;
+        }
         let [width, height] = self.grid.size;
         let mode = Mode::new(self, options);
         if (frame.color.width, frame.color.height) != (width, height) {

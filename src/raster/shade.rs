@@ -10,7 +10,7 @@
 //! GL's clamps stand where the GL has them (GL 2.1 sections 2.14.6 and 3.9): each lit point's colour (primary and secondary
 //! apart under separate specular), then the sum at the fragment.
 
-use super::attribute::{Weights, mix, mix3};
+use super::attribute::{Weights, mix, mix_colors, mix3};
 use super::lit::{Lit, Mode, Output};
 use super::setup::{TILE, TileArea};
 use super::slots::SlotMap;
@@ -312,7 +312,7 @@ impl Fragment {
         let [a, b, c] = self.points;
         let (a, b, c) = (a as usize, b as usize, c as usize);
         match shading {
-            ShadeModel::Gouraud => mix3(self.weights, [values[a], values[b], values[c]]),
+            ShadeModel::Gouraud => mix_colors(self.weights, [values[a], values[b], values[c]]),
             ShadeModel::Flat | ShadeModel::Phong => values[a],
         }
     }

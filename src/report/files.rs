@@ -138,6 +138,58 @@ pub fn write_stdout(bytes: &[u8]) -> Result<(), Error> {
         .map_err(|source| Error::io("standard output", "write", source))
 }
 
+/// Says before the work what would stop a file from being written after it: a folder that is not there, or one of the
+/// file's own name. `-` is stdout.
+///
+/// # Errors
+/// [`Error::Parameter`] for `flag`, with what to do.
+pub fn check_target(path: &Path, flag: &str) -> Result<(), Error> {
+    let wrong = |message: String, help: String| {
+        let message = format!("{}: {message}", path.display());
+        Err(Error::parameter(flag, message).with_help(help))
+    };
+    if path.as_os_str() == "-" {
+        return Ok(());
+    }
+    if path.is_dir() {
+        return wrong(
+            "is a folder, expected a file".into(),
+            "add a file name".into(),
+        );
+    }
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if folder.exists() && !folder.is_dir() => {
+            let message = format!("{} is a file, not a folder", folder.display());
+            wrong(message, "choose another folder".into())
+        }
+        Some(folder) if !folder.exists() => {
+            let name = folder.display();
+            wrong(
+                format!("there is no folder {name}"),
+                format!("make it first: mkdir -p {name}"),
+            )
+        }
+        _ => Ok(()),
+    }
+}
+
+/// [`check_target`] for a folder that is made where it is missing: what of its path exists must be folders.
+///
+/// # Errors
+/// [`Error::Parameter`] for `flag`.
+pub fn check_folder(path: &Path, flag: &str) -> Result<(), Error> {
+    match path.ancestors().find(|part| part.exists()) {
+        Some(part) if !part.is_dir() => {
+            let message = format!("{}: is a file, expected a folder", part.display());
+            Err(Error::parameter(flag, message).with_help("choose another folder"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Makes a folder and those above it, if they are missing.
 pub fn create_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|e| Error::io(path.display().to_string(), "create", e))
@@ -236,6 +288,31 @@ mod tests {
         let occupied = folder.path().join("b.png");
         fs::create_dir(&occupied).unwrap();
         assert!(write_bytes_atomic(&occupied, b"x").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn targets_are_checked_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("file"), b"x").unwrap();
+        for good in ["a.png", "file"] {
+            assert!(check_target(&at(good), "--output").is_ok(), "{good}");
+        }
+        assert!(check_target("a.png".as_ref(), "--output").is_ok());
+        assert!(check_target("-".as_ref(), "--output").is_ok());
+        for (bad, expected) in [
+            ("missing/a.png", "there is no folder"),
+            ("file/a.png", "is a file, not a folder"),
+            ("", "is a folder, expected a file"),
+        ] {
+            let error = check_target(&at(bad), "--output").unwrap_err();
+            assert!(error.to_string().contains(expected), "{error}");
+        }
+        assert!(check_folder(&at("a/b/c"), "--output").is_ok());
+        assert!(check_folder(folder.path(), "--output").is_ok());
+        assert!(check_folder(&at("file"), "--output").is_err());
+        assert!(check_folder(&at("file/a"), "--output").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -87,6 +87,31 @@ impl<R: Real> Assembly<R> {
         ]
     }
 
+    /// Refuses vertices that rounding to `R` made infinite: the renderers leave their triangles out.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] that names the first such object.
+    pub fn check_range(&self, scene: &Scene) -> Result<(), Error> {
+        let finite = |v: u32| {
+            let world = self.position_world[v as usize];
+            let eye = self.vertex_eye(v);
+            world.iter().chain(&eye).all(|x| x.is_finite())
+        };
+        let found = self
+            .triangles
+            .iter()
+            .position(|t| !t.iter().all(|v| finite(*v)));
+        let Some(triangle) = found else {
+            return Ok(());
+        };
+        let object = &scene.objects[self.object[triangle] as usize].name;
+        let message = format!(
+            "object {object}: reaches farther than {:.1e} from the eye or the origin, the range of this precision",
+            R::MAX.to_f64()
+        );
+        Err(Error::limit(message).with_help("scale the scene down, or use --precision f64"))
+    }
+
     fn add(&mut self, scene: &Scene, object: &Object, index: u32, mesh: &Mesh, outward: bool) {
         let place = Placement::new(scene, &object.world_from_object);
         let flip = outward && mirrors(&object.world_from_object);

@@ -90,7 +90,8 @@ impl Fork<'_> {
     }
 
     fn child(&self, direction: DVec3, k: Rgb, branch: Branch, media: MediaId) -> Option<Path> {
-        let weight = [0, 1, 2].map(|c| self.path.weight[c] * k[c]);
+        // Weights above 1 saturate, so that a later factor of 0 still makes 0.
+        let weight = [0, 1, 2].map(|c| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX));
         let cutoff = self.settings.weight_cutoff;
         if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
             return None;

@@ -51,7 +51,7 @@ use serde::Serialize;
 pub use surface::Surfaces;
 
 use crate::error::Error;
-use crate::frame::{Frame, Layers};
+use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::lighting::Rig;
@@ -237,7 +237,7 @@ impl<'a, R: Real> Plan<'a, R> {
     /// Traces the picture.
     ///
     /// # Errors
-    /// [`Error::Limit`] where a pixel would cast more than [`MAX_RAYS`] secondary rays.
+    /// [`Error::Limit`] where a pixel would cast more than [`MAX_RAYS`] secondary rays, or layers would fill the memory.
     pub fn draw(&self, options: &Options) -> Result<(Frame<R>, Counters), Error> {
         self.draw_tiles(options, TILE)
     }
@@ -247,7 +247,12 @@ impl<'a, R: Real> Plan<'a, R> {
     /// # Errors
     /// As [`Self::draw`].
     pub fn draw_tiles(&self, options: &Options, side: u32) -> Result<(Frame<R>, Counters), Error> {
-        let areas = areas(self.scene.image.width, self.scene.image.height, side.max(1));
+        let image = &self.scene.image;
+        if options.layers {
+            let lights = self.lamps.len();
+            LayerIndex { lights }.check_size(image.width, image.height)?;
+        }
+        let areas = areas(image.width, image.height, side.max(1));
         let tiles: Vec<_> = areas
             .into_par_iter()
             .map(|area| tile::draw(self, options, area))

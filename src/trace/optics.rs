@@ -7,6 +7,7 @@
 
 use super::exact::{Twofold, cross, cross2, dot2, pairs, unit};
 use crate::math::DVec3;
+use crate::math::float::gamma;
 use crate::scene::Fresnel;
 
 /// What a surface between two media does to a ray.
@@ -85,7 +86,8 @@ pub fn refract(d: DVec3, n: DVec3, eta_i: f64, eta_t: f64) -> Transmission {
 /// Whether d.n <= 0, decided in pairs of f64 where the plain sum cannot. A ray square to n counts as arriving on its side.
 fn faces_against(d: DVec3, n: DVec3) -> bool {
     let plain = d.dot(n);
-    if plain.abs() > 1e-12 {
+    // Three products and two sums: off by less than gamma(3) of the products' magnitudes.
+    if plain.abs() > gamma::<f64>(3) * (d * n).abs().element_sum() {
         return plain < 0.0;
     }
     dot2(pairs(d), pairs(n)).value() <= 0.0

@@ -57,11 +57,15 @@ impl<R: Real> Sums<R> {
     pub(super) fn add(&mut self, layer: usize, pixel: usize, weight: [f64; 3], value: [R; 3]) {
         let sum = &mut self.bounced[layer][pixel];
         for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
-            *s = if self.signed {
+            let next = if self.signed {
                 *s + w * x.to_f64()
             } else {
                 (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
             };
+            // Weights above 1 may grow beyond `R`: infinity times 0, or less infinity, has no value and counts as 0.
+            if !next.is_nan() {
+                *s = next;
+            }
         }
     }
 
@@ -139,7 +143,7 @@ impl Mean {
         }
         for (pixel, rest) in rest.iter_mut().enumerate() {
             let layers = named.iter().map(|layer| layer[pixel]);
-            *rest = closing(out.color[pixel], layers, signed);
+            *rest = remainder(out.color[pixel], layers, signed);
         }
     }
 }
@@ -148,24 +152,4 @@ fn add_to<R: Real>(sum: &mut [f64; 3], value: [R; 3]) {
     for (s, x) in sum.iter_mut().zip(value) {
         *s += x.to_f64();
     }
-}
-
-/// The remainder layer's value: added last, it makes the sum of the layers the picture, bit for bit.
-fn closing<R: Real>(color: [R; 3], layers: impl Iterator<Item = [R; 3]>, signed: bool) -> [R; 3] {
-    if !signed {
-        let sum = sum_in_order(layers, false);
-        return [0, 1, 2].map(|c| remainder(color[c], sum[c]));
-    }
-    let mut sum = [0.0; 3];
-    for layer in layers {
-        add_to(&mut sum, layer);
-    }
-    [0, 1, 2].map(|c| {
-        let guess = R::from_f64(color[c].to_f64() - sum[c]);
-        let closes = |x: &R| R::from_f64(sum[c] + x.to_f64()) == color[c];
-        [guess, guess.next_up(), guess.next_down()]
-            .into_iter()
-            .find(closes)
-            .unwrap_or(guess)
-    })
 }

@@ -69,6 +69,14 @@ impl<'a> Reader<'a> {
             let message = format!("{path}: attenuation has no effect on a directional light");
             self.note(span, message);
         }
+        if !directional && source.attenuation == [0.0; 3] {
+            let span = section.get("attenuation").map(|node| &node.span);
+            let path = &section.path;
+            let message = format!(
+                "{path}: attenuation [0, 0, 0] makes the light infinitely bright; [1, 0, 0] is none"
+            );
+            self.note(span, message);
+        }
         let no_cone = source.spot_cutoff_deg == 180.0;
         for key in ["spot_direction", "spot_exponent"] {
             if no_cone && section.has(key) {
