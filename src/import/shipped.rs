@@ -125,7 +125,10 @@ mod tests {
     fn files_under(folder: &Path, before: &str, found: &mut BTreeSet<String>) {
         for entry in std::fs::read_dir(folder).expect("a folder of scenes") {
             let path = entry.expect("an entry").path();
-            let name = path.file_name().and_then(|n| n.to_str()).expect("a name in UTF-8");
+            let name = path
+                .file_name()
+                .and_then(|n| n.to_str())
+                .expect("a name in UTF-8");
             if path.is_dir() {
                 files_under(&path, &format!("{before}{name}/"), found);
             } else {
@@ -148,7 +151,10 @@ mod tests {
             embedded.insert(path);
         }
         embedded.extend(FILES.iter().map(|(name, _)| (*name).to_owned()));
-        assert_eq!(there, embedded, "files of scenes/, and those in the table above");
+        assert_eq!(
+            there, embedded,
+            "files of scenes/, and those in the table above"
+        );
     }
 
     #[test]
@@ -167,12 +173,30 @@ mod tests {
         assert!(!lecture.is_empty());
         for (index, scene) in lecture.iter().enumerate() {
             let number = format!("{:02}-", index + 1);
-            assert!(scene.name.starts_with(&number), "{} is not {number}", scene.name);
+            assert!(
+                scene.name.starts_with(&number),
+                "{} is not {number}",
+                scene.name
+            );
         }
         for scene in SCENES {
-            assert_eq!(scene.title.matches('?').count(), 1, "{}: {}", scene.name, scene.title);
-            let lines: Vec<_> = scene.text.lines().take_while(|l| l.starts_with('#')).collect();
-            assert!(lines.len() >= 3 && lines[1] == "#", "{} says what to look for", scene.name);
+            assert_eq!(
+                scene.title.matches('?').count(),
+                1,
+                "{}: {}",
+                scene.name,
+                scene.title
+            );
+            let lines: Vec<_> = scene
+                .text
+                .lines()
+                .take_while(|l| l.starts_with('#'))
+                .collect();
+            assert!(
+                lines.len() >= 3 && lines[1] == "#",
+                "{} says what to look for",
+                scene.name
+            );
         }
     }
 }
