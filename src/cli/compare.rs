@@ -15,7 +15,9 @@ use rastray::report::page::NamedPlane;
 use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
 use rastray::scene::Scene;
 use rastray::scene::tessellate::DEFAULT_LEVEL;
-use rastray_compare::{Encoding, ImageView, Map, Reduction, metrics, signed_map, summarize};
+use rastray_compare::{
+    Encoding, ImageView, Map, Reduction, magnitude_map, metrics, signed_map, summarize,
+};
 use serde_json::{Value, json};
 
 use super::options::{Quality, Verbosity, apply};
@@ -57,6 +59,7 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
         raster: to_f32(&ladder.rungs[0]),
         trace: to_f32(&ladder.rungs[9]),
         difference: signed(&ladder.total())?,
+        error: error(&ladder.total())?,
         cause_maps: comparison.cause_maps()?,
         terms: comparison.terms(),
         buildup: comparison.buildup(),
@@ -104,6 +107,16 @@ fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
         data,
     } = difference;
     figure(signed_map(*width, *height, data, Reduction::Largest))
+}
+
+/// The false-colour map of a difference's magnitude.
+fn error(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+    let Plane {
+        width,
+        height,
+        data,
+    } = difference;
+    figure(magnitude_map(*width, *height, data, Reduction::Largest))
 }
 
 /// A scene and its ladder, on the way to a report.

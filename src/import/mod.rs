@@ -92,7 +92,9 @@ impl Imported {
 /// unknown `name`.
 pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
     let path = Path::new(name);
-    if path.exists() {
+    // A folder is no scene: `rastray compare whitted -o whitted` must work twice.
+    let folder_of_that_name = path.is_dir() && shipped().iter().any(|scene| scene.name == name);
+    if path.exists() && !folder_of_that_name {
         return load_path(path, name, options);
     }
     let text = shipped_text(name)?.to_owned();

@@ -102,7 +102,7 @@ impl Report {
         ])
     }
 
-    /// The signed difference with its legend and numbers.
+    /// The signed difference and its magnitude, with legends and numbers.
     pub fn difference_figure(&self) -> Result<Picture, Error> {
         let summary = &self.difference.summary;
         let numbers = match summary.pixels {
@@ -116,12 +116,20 @@ impl Report {
             ),
         };
         let note = format!("{DIFFERENCE_NOTE}. {numbers}.");
-        let picture = Picture::from_map(&self.difference);
-        map(Panel {
-            picture: &picture,
-            title: "difference",
-            note: &note,
-        })
+        let signed = Picture::from_map(&self.difference);
+        let magnitude = Picture::from_map(&self.error);
+        strip(&[
+            Panel {
+                picture: &signed,
+                title: "difference",
+                note: &note,
+            },
+            Panel {
+                picture: &magnitude,
+                title: "error",
+                note: "magnitude of the same in false colours: the lighter, the larger",
+            },
+        ])
     }
 
     /// The map of a cause with its legend and numbers; none where there is no such cause or map.

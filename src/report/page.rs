@@ -37,6 +37,8 @@ pub struct Report {
     pub trace: Plane<[f32; 3]>,
     /// Trace minus raster, signed.
     pub difference: Map,
+    /// Magnitude of the same, in false colours.
+    pub error: Map,
     /// One signed map for each of `summary.causes`, in the same order.
     pub cause_maps: Vec<Map>,
     /// The layers of the traced picture, such as `diffuse.key`, in the order of their sum.
@@ -58,6 +60,14 @@ pub struct NamedPlane {
     pub name: String,
     /// Its values.
     pub plane: Plane<[f32; 3]>,
+}
+
+impl NamedPlane {
+    /// The largest magnitude of a value.
+    fn largest(&self) -> f32 {
+        let values = self.plane.data.as_flattened().iter();
+        values.fold(0.0, |m: f32, v| m.max(v.abs()))
+    }
 }
 
 /// Width that pictures of overviews come near to.
@@ -84,7 +94,7 @@ impl Report {
                         (self.growth()?)
                         (self.term_pictures()?)
                         (sections::agreement(&self.summary))
-                        (sections::numbers(self))
+                        (sections::numbers(self)?)
                         (sections::work(&self.summary))
                         (sections::origin(self))
                     }
@@ -190,32 +200,13 @@ impl Report {
 
     /// The layers of the traced picture.
     fn term_pictures(&self) -> Result<Markup, Error> {
-        let picture = |term: &NamedPlane| -> Result<Markup, Error> {
-            let largest = term
-                .plane
-                .data
-                .as_flattened()
-                .iter()
-                .fold(0.0, |m: f32, v| m.max(v.abs()));
-            let black = largest == 0.0;
-            let alt = format!(
-                "The term {}, largest value {}",
-                term.name,
-                value(f64::from(largest))
-            );
-            Ok(html! {
-                figure {
-                    (overview(&term.plane, self.view, &alt)?)
-                    figcaption {
-                        strong { (term.name) }
-                        @if black { "zero everywhere" } @else { "at most " (value(f64::from(largest))) }
-                    }
-                }
-            })
-        };
-        let pictures: Vec<Markup> = self.terms.iter().map(picture).collect::<Result<_, _>>()?;
+        let (shown, zero): (Vec<&NamedPlane>, Vec<&NamedPlane>) =
+            self.terms.iter().partition(|term| term.largest() > 0.0);
+        let pictures = shown.into_iter().map(|term| self.term_picture(term));
+        let pictures: Vec<Markup> = pictures.collect::<Result<_, _>>()?;
+        let zero: Vec<&str> = zero.iter().map(|term| term.name.as_str()).collect();
         Ok(html! {
-            @if !pictures.is_empty() {
+            @if !self.terms.is_empty() {
                 section {
                     h2 { "The terms of the traced picture" }
                     p {
@@ -223,7 +214,19 @@ impl Report {
                         "specular. Values outside 0…1 are cut off here, not in " code { "layers.exr" } "."
                     }
                     div.grid.four { @for picture in &pictures { (picture) } }
+                    @if !zero.is_empty() { p { "Zero everywhere: " (zero.join(", ")) "." } }
                 }
+            }
+        })
+    }
+
+    fn term_picture(&self, term: &NamedPlane) -> Result<Markup, Error> {
+        let largest = value(f64::from(term.largest()));
+        let alt = format!("The term {}, largest value {largest}", term.name);
+        Ok(html! {
+            figure {
+                (overview(&term.plane, self.view, &alt)?)
+                figcaption { strong { (term.name) } "at most " (largest) }
             }
         })
     }
@@ -355,7 +358,7 @@ pub(super) mod tests {
     use super::*;
     use crate::gl::SpecularModel;
     use crate::report::summary::tests::example as example_summary;
-    use rastray_compare::{Reduction, signed_map};
+    use rastray_compare::{Reduction, magnitude_map, signed_map};
 
     /// 24 x 16 with a gradient; names that need escaping.
     pub(in crate::report) fn example() -> Report {
@@ -381,6 +384,7 @@ pub(super) mod tests {
             raster: plane(0.5),
             trace: plane(1.0),
             difference: map.clone(),
+            error: magnitude_map(24, 16, &vec![[0.25; 3]; 24 * 16], Reduction::Largest).unwrap(),
             cause_maps: vec![map; 9],
             terms: ["emission", "diffuse.a/b"]
                 .map(|name| NamedPlane {
@@ -446,6 +450,7 @@ pub(super) mod tests {
             raster: pixel.clone(),
             trace: pixel,
             difference: map,
+            error: magnitude_map(1, 1, &[[0.0; 3]], Reduction::Largest).unwrap(),
             cause_maps: Vec::new(),
             terms: Vec::new(),
             buildup: Vec::new(),

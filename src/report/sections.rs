@@ -177,7 +177,7 @@ pub(super) fn agreement(summary: &Summary) -> Markup {
 }
 
 /// Metrics with what they mean, then how every number was obtained.
-pub(super) fn numbers(report: &Report) -> Markup {
+pub(super) fn numbers(report: &Report) -> Result<Markup, Error> {
     let m = &report.summary.metrics;
     let psnr = m.psnr.map_or("none".to_owned(), |p| format!("{p:.2} dB"));
     let rows = [
@@ -218,7 +218,8 @@ pub(super) fn numbers(report: &Report) -> Markup {
             "10 log₁₀(1 / mse); none where the pictures are identical",
         ),
     ];
-    html! {
+    let alt = format!("Magnitude of the difference: at most {}", value(m.max));
+    Ok(html! {
         section {
             h2 { "The difference in numbers" }
             p {
@@ -238,9 +239,16 @@ pub(super) fn numbers(report: &Report) -> Markup {
                     }
                 }
             }
+            div.grid.half {
+                figure {
+                    (map_picture(&report.error, &alt)?)
+                    figcaption { strong { "error" } "Magnitude of trace − raster: the lighter, the larger." }
+                    (legend(&report.error.scale))
+                }
+            }
             (methods())
         }
-    }
+    })
 }
 
 /// How each number was obtained.
@@ -270,10 +278,10 @@ pub(super) fn work(summary: &Summary) -> Markup {
         @if !summary.counters.is_empty() || !summary.seconds.is_empty() {
             section {
                 h2 { "Work and time" }
-                div.columns {
+                details { summary { "Counters and seconds of each rung" } div.columns {
                     (object_table("Work counts", &summary.counters, |n| n.as_u64().map(|n| count(n as usize))))
                     (object_table("Wall-clock time", &summary.seconds, |n| n.as_f64().map(duration)))
-                }
+                } }
             }
         }
     }
