@@ -119,7 +119,7 @@ impl<'l, 'a> Command<'l, 'a> {
         if x > 0.0 {
             return Ok(x);
         }
-        Err(self.error(&token, format!("expected a {name} above 0, found {x}")))
+        Err(self.error(&token, format!("expected {name} to be above 0, found {x}")))
     }
 
     /// A point.

@@ -24,13 +24,13 @@ impl Reader<'_> {
             "spot_light" => spot(command)?,
             "area_light" => positional(command, "the centre", |command| {
                 command.direction("the direction")?;
-                command.positive("radius").map(drop)
+                command.positive("the radius").map(drop)
             })?,
             _ => positional(command, "the centre", |command| {
                 command.direction("the first axis")?;
                 command.direction("the second axis")?;
-                command.positive("first length")?;
-                command.positive("second length").map(drop)
+                command.positive("the first length")?;
+                command.positive("the second length").map(drop)
             })?,
         };
         if self.light_count >= MAX_LIGHTS {
@@ -96,8 +96,8 @@ fn spot(command: &mut Command<'_, '_>) -> Result<String, Error> {
             format!("expected {name} to be 0 or more, found {x}"),
         ))
     };
-    let cutoff = least_zero("sc, the half angle of the cone")?;
-    let exponent = least_zero("sd, the exponent")?;
+    let cutoff = least_zero("the cutoff sc")?;
+    let exponent = least_zero("the exponent sd")?;
     // No angle is beyond pi: GL's word for it is 180, no cone.
     let degrees = if cutoff >= PI {
         180.0

@@ -53,7 +53,7 @@ impl Reader<'_> {
     ) -> Result<(), Error> {
         let material = self.material(file, command)?;
         let center = command.vector("the centre")?;
-        let radius = command.positive("radius")?;
+        let radius = command.positive("the radius")?;
         let shape = Shape::Sphere { center, radius };
         self.push(file, command, Geometry::Shape(shape), material)
     }
@@ -112,8 +112,8 @@ impl Reader<'_> {
     ) -> Result<(usize, [DVec3; 2], f64), Error> {
         let material = self.material(file, command)?;
         let center = command.vector("the centre")?;
-        let radius = command.positive("radius")?;
-        let half = DVec3::Y * (command.positive("height")? / 2.0);
+        let radius = command.positive("the radius")?;
+        let half = DVec3::Y * (command.positive("the height")? / 2.0);
         Ok((material, [center - half, center + half], radius))
     }
 
@@ -125,7 +125,7 @@ impl Reader<'_> {
         let _material = self.material(file, command)?;
         let _center = command.vector("the centre")?;
         let _normal = command.direction("the normal")?;
-        let _radius = command.positive("radius")?;
+        let _radius = command.positive("the radius")?;
         Err(missing(command))
     }
 
