@@ -23,10 +23,7 @@ fn included_materials_come_first_and_can_be_overridden() {
     assert_eq!(imported.files.len(), 2);
     // A library need not be used up; the scene's own materials are there to be used.
     let notes = notes(&imported);
-    assert!(
-        notes.ends_with("no object uses material `own`"),
-        "{notes}"
-    );
+    assert!(notes.ends_with("no object uses material `own`"), "{notes}");
 }
 
 #[test]

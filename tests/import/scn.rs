@@ -170,6 +170,48 @@ fn the_picture_keeps_the_horizontal_angle() {
 }
 
 #[test]
+fn distant_eyes_keep_their_direction() {
+    let text = "camera 1e30 0 0  -3 -4 0  0 0 1  .3  1 1e31\nsphere -1  0 0 0  1\n";
+    let camera = load_text("a.scn", text, &[]).unwrap().scene.camera;
+    let forward = (camera.target - camera.eye).normalize();
+    assert!(
+        (forward - DVec3::new(-0.6, -0.8, 0.0)).length() < 1e-15,
+        "{forward}"
+    );
+}
+
+#[test]
+fn round_shapes_arrive() {
+    let text = "cylinder -1  1 2 3  4 5\ncone -1  1 2 3  4 6\ncircle -1  1 2 3  0 0 2  4\n";
+    let scene = load_text("a.scn", text, &[]).unwrap().scene;
+    let (low, high) = (DVec3::new(1.0, -0.5, 3.0), DVec3::new(1.0, 4.5, 3.0));
+    let (foot, tip) = (DVec3::new(1.0, -1.0, 3.0), DVec3::new(1.0, 5.0, 3.0));
+    let expected = [
+        Shape::Cylinder {
+            base: low,
+            top: high,
+            radius: 4.0,
+            caps: true,
+        },
+        Shape::Cone {
+            base: foot,
+            apex: tip,
+            radius: 4.0,
+            cap: true,
+        },
+        Shape::Disk {
+            center: DVec3::new(1.0, 2.0, 3.0),
+            normal: DVec3::Z * 2.0,
+            radius: 4.0,
+        },
+    ];
+    for (object, shape) in scene.objects.iter().zip(expected) {
+        assert_eq!(object.geometry, Geometry::Shape(shape));
+    }
+    assert_eq!(scene.objects.len(), 3);
+}
+
+#[test]
 fn what_is_missing_is_the_formats_default() {
     let imported = load_text("a.scn", "sphere -1  1 2 3  2\n", &[]).unwrap();
     let scene = &imported.scene;
@@ -413,10 +455,10 @@ const BROKEN: &[(&str, &str, &str)] = &[
     ("camera 0 0 0  0 0 0  0 1 0  .3 1 2\n", "1:15 camera: expected a direction for the viewing direction, found [0.0, 0.0, 0.0]", "it is written `camera ex ey ez  tx ty tz  ux uy uz  xfov near far`"),
     ("camera 0 0 0  0 0 1  0 0 2  .3 1 2\n", "1:22 camera: up is parallel to the viewing direction", "it is written `camera ex ey ez  tx ty tz  ux uy uz  xfov near far`"),
     ("camera 0 0 0  0 0 1  0 1 0  45 1 2\n", "1:29 camera: expected xfov between 0 and pi/2, found 45", "xfov is half of the horizontal angle of view, in radians"),
-    ("camera 1e30 0 0  0 0 1  0 1 0  .3 1 2\ncamera 1e30 0 0  1 0 0  0 1 0  .3 1 2\n", "2:18 camera: the viewing direction vanishes beside the eye's coordinates", "it is written `camera ex ey ez  tx ty tz  ux uy uz  xfov near far`"),
     ("material 0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  -1 1 0\n", "1:45 material: expected n, the shininess, to be 0 or more, found -1", "it is written `material ka.rgb kd.rgb ks.rgb kt.rgb e.rgb n ir texture, 17 numbers and a file name or 0`"),
     ("material 0 0 0  0 0 0  0 0 0  1 0 0  0 0 0  1 0 0\n", "1:47 material: expected ir, the index of refraction, above 0, found 0", "1 lets rays go straight on; glass has 1.5"),
     ("spot_light 1 1 1  0 0 0  0 1 0  1 0 0  -1 0\n", "1:40 spot_light: expected the cutoff sc to be 0 or more, found -1", "it is written `spot_light r g b  px py pz  dx dy dz  ca la qa  sc sd`"),
+    ("cone -1  0 1e20 0  1 2\n", "1:1 cone: the height vanishes beside the coordinates of the centre", "it is written `cone m  cx cy cz  r h`"),
     ("dir_light 1 1 1  0 0 0\n", "1:18 dir_light: expected a direction for the direction, found [0.0, 0.0, 0.0]", "it is written `dir_light r g b  dx dy dz`"),
     ("mesh -1 a.ply\n", "1:9 `a.ply` is no mesh file that is imported", "meshes are .off, .ray and .obj files"),
     ("line -1  0 0 0  1 1 1\n# two\nline -1  0 0 0  1 1 1\n", "1:1 the scene holds only lines, which are not drawn", "add a tri, box, sphere, cylinder, cone or mesh"),

@@ -90,18 +90,32 @@ impl Reader<'_> {
         self.push(file, command, Geometry::Shape(shape), material)
     }
 
+    /// A closed cylinder about +y.
     pub(super) fn cylinder(
         &mut self,
         file: &File,
         command: &mut Command<'_, '_>,
     ) -> Result<(), Error> {
-        self.upright(file, command)?;
-        Err(missing(command))
+        let (material, [base, top], radius) = self.upright(file, command)?;
+        let shape = Shape::Cylinder {
+            base,
+            top,
+            radius,
+            caps: true,
+        };
+        self.push(file, command, Geometry::Shape(shape), material)
     }
 
+    /// A closed cone, its tip toward +y.
     pub(super) fn cone(&mut self, file: &File, command: &mut Command<'_, '_>) -> Result<(), Error> {
-        self.upright(file, command)?;
-        Err(missing(command))
+        let (material, [base, apex], radius) = self.upright(file, command)?;
+        let shape = Shape::Cone {
+            base,
+            apex,
+            radius,
+            cap: true,
+        };
+        self.push(file, command, Geometry::Shape(shape), material)
     }
 
     /// Material, lower and upper end of the axis, radius: `m  cx cy cz  r h`.
@@ -114,7 +128,12 @@ impl Reader<'_> {
         let center = command.vector("the centre")?;
         let radius = command.positive("the radius")?;
         let half = DVec3::Y * (command.positive("the height")? / 2.0);
-        Ok((material, [center - half, center + half], radius))
+        let ends = [center - half, center + half];
+        if ends[0] == ends[1] {
+            let message = "the height vanishes beside the coordinates of the centre";
+            return Err(command.error(&command.token, message));
+        }
+        Ok((material, ends, radius))
     }
 
     pub(super) fn circle(
@@ -122,11 +141,13 @@ impl Reader<'_> {
         file: &File,
         command: &mut Command<'_, '_>,
     ) -> Result<(), Error> {
-        let _material = self.material(file, command)?;
-        let _center = command.vector("the centre")?;
-        let _normal = command.direction("the normal")?;
-        let _radius = command.positive("the radius")?;
-        Err(missing(command))
+        let material = self.material(file, command)?;
+        let shape = Shape::Disk {
+            center: command.vector("the centre")?,
+            normal: command.direction("the normal")?.0,
+            radius: command.positive("the radius")?,
+        };
+        self.push(file, command, Geometry::Shape(shape), material)
     }
 
     /// A line is checked and takes part in the bounds, as in the course's viewer, and that is all.
@@ -179,12 +200,4 @@ fn append(mesh: &mut Mesh, corners: [DVec3; 3]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
     mesh.triangles.push([first, first + 1, first + 2]);
-}
-
-fn missing(command: &Command<'_, '_>) -> Error {
-    Error::Unsupported {
-        place: Some(Box::new(command.lexer.place(&command.token))),
-        message: format!("`{}` is not drawn yet", command.word),
-        help: None,
-    }
 }

@@ -11,6 +11,9 @@ use crate::scene::fit::Bounds;
 /// Sine of the smallest angle between view and up that still says which way is up.
 const LEAST_SINE: f64 = 1e-9;
 
+/// An eye at so many times the length of the viewing direction would cost the sum of both 20 of its 53 bits.
+const FAR_EYE: f64 = (1 << 20) as f64;
+
 /// A camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
@@ -21,6 +24,21 @@ pub(super) struct View {
     xfov: f64,
     near: Option<f64>,
     far: Option<f64>,
+}
+
+impl View {
+    /// A point in the viewing direction, far enough for the sum with distant eyes to keep the direction's digits.
+    fn target(&self) -> DVec3 {
+        let (eye, towards) = (
+            self.eye.abs().max_element(),
+            self.towards.abs().max_element(),
+        );
+        if eye > FAR_EYE * towards {
+            self.eye + self.towards * (eye / towards)
+        } else {
+            self.eye + self.towards
+        }
+    }
 }
 
 /// Numbers as a TOML list, every digit kept.
@@ -36,16 +54,12 @@ impl Reader<'_> {
         command: &mut Command<'_, '_>,
     ) -> Result<(), Error> {
         let eye = command.vector("the eye")?;
-        let (towards, token) = command.direction("the viewing direction")?;
+        let (towards, _) = command.direction("the viewing direction")?;
         let (up, up_token) = command.direction("up")?;
         let sine = towards.normalize().cross(up.normalize()).length();
         if sine.is_nan() || sine < LEAST_SINE {
             let message = "up is parallel to the viewing direction";
             return Err(command.error(&up_token, message));
-        }
-        if eye + towards == eye {
-            let message = "the viewing direction vanishes beside the eye's coordinates";
-            return Err(command.error(&token, message));
         }
         let (xfov, token) = command.number("xfov")?;
         if !(xfov > 0.0 && xfov < FRAC_PI_2) {
@@ -162,8 +176,7 @@ impl Reader<'_> {
 
     fn document(&self, view: &View) -> String {
         let color = |c: Option<[f64; 3]>| list(&c.unwrap_or_default());
-        let [eye, target, up] =
-            [view.eye, view.eye + view.towards, view.up].map(|v| list(&v.to_array()));
+        let [eye, target, up] = [view.eye, view.target(), view.up].map(|v| list(&v.to_array()));
         let mut text = format!(
             "[image]\nbackground = {}\n[light_model]\nambient = {}\nspecular_model = \"reflection\"\n\
              [camera]\neye = {eye}\ntarget = {target}\nup = {up}\n",
