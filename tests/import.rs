@@ -2,12 +2,16 @@
 
 #[path = "import/broken.rs"]
 mod broken;
+#[path = "import/include.rs"]
+mod include;
 #[path = "import/mesh.rs"]
 mod mesh;
 #[path = "import/mutate.rs"]
 mod mutate;
 #[path = "import/schema.rs"]
 mod schema;
+#[path = "import/scn.rs"]
+mod scn;
 #[path = "import/values.rs"]
 mod values;
 

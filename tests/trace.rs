@@ -686,6 +686,50 @@ fn threads_and_tiles_change_no_byte() {
     }
 }
 
+fn scaled(mut shape: Shape, k: f64) -> Shape {
+    match &mut shape {
+        Shape::Sphere { center, radius } | Shape::Disk { center, radius, .. } => {
+            *center *= k;
+            *radius *= k;
+        }
+        Shape::Box { min, max } => {
+            *min *= k;
+            *max *= k;
+        }
+        Shape::Patch {
+            corner,
+            edge_u,
+            edge_v,
+            ..
+        } => [corner, edge_u, edge_v].into_iter().for_each(|x| *x *= k),
+        Shape::Cylinder {
+            base, top, radius, ..
+        } => {
+            *base *= k;
+            *top *= k;
+            *radius *= k;
+        }
+        Shape::Cone {
+            base, apex, radius, ..
+        } => {
+            *base *= k;
+            *apex *= k;
+            *radius *= k;
+        }
+        Shape::Torus {
+            center,
+            major,
+            minor,
+            ..
+        } => {
+            *center *= k;
+            *major *= k;
+            *minor *= k;
+        }
+    }
+    shape
+}
+
 #[test]
 fn scaling_by_powers_of_two_changes_no_bit() {
     let reference = busy();
@@ -701,24 +745,7 @@ fn scaling_by_powers_of_two_changes_no_bit() {
         for object in &mut scene.objects {
             object.world_from_object.translation *= k;
             object.geometry = match &object.geometry {
-                Form::Shape(Shape::Sphere { center, radius }) => {
-                    Form::Shape(sphere(*center * k, radius * k))
-                }
-                Form::Shape(Shape::Box { min, max }) => Form::Shape(Shape::Box {
-                    min: *min * k,
-                    max: *max * k,
-                }),
-                Form::Shape(Shape::Patch {
-                    corner,
-                    edge_u,
-                    edge_v,
-                    tiles,
-                }) => Form::Shape(Shape::Patch {
-                    corner: *corner * k,
-                    edge_u: *edge_u * k,
-                    edge_v: *edge_v * k,
-                    tiles: *tiles,
-                }),
+                Form::Shape(shape) => Form::Shape(scaled(*shape, k)),
                 Form::Mesh(mesh) => {
                     let mut mesh = (**mesh).clone();
                     mesh.positions.iter_mut().for_each(|p| *p *= k);
@@ -1156,9 +1183,13 @@ mod numerics {
     //! where a case says otherwise; an f32 answer is an f64 one rounded.
 
     use super::*;
+    use rastray::trace::cone::Cone;
+    use rastray::trace::cylinder::Cylinder;
+    use rastray::trace::disk::{Disk, plane};
     use rastray::trace::exact::{Twofold, unit};
     use rastray::trace::optics::{Transmission, reflect, refract};
     use rastray::trace::planar::{normal, precise_weights};
+    use rastray::trace::span::{Span, Spot};
     use rastray::trace::sphere::roots;
     use serde_json::Value;
     use std::collections::BTreeMap;
@@ -1276,8 +1307,51 @@ mod numerics {
                     (hit.t, p, normal([a, b, c]))
                 }))
             }
+            "cyl" => {
+                let (base, top) = (vector(&shape["p0"]), vector(&shape["p1"]));
+                let (q, axis, radius) = (exact(base, o), exact(top, base), number(&shape["r"]));
+                let solid = Cylinder { axis, radius };
+                let spot = |end| solid.spot(q, d, end);
+                Some(first(solid.span(q, d), spot, base))
+            }
+            "cone" => {
+                let (apex, base) = (vector(&shape["apex"]), vector(&shape["base"]));
+                let (q, axis, radius) = (exact(apex, o), exact(base, apex), number(&shape["r"]));
+                let solid = Cone { axis, radius };
+                let spot = |end| solid.spot(q, d, end);
+                Some(first(solid.span(q, d), spot, apex))
+            }
+            "plane" => {
+                // A disk that reaches beyond everything, and the plane's own routine.
+                let (p, normal) = (vector(&shape["p"]), vector(&shape["n"]));
+                let q = exact(p, o);
+                let radius = 1e60;
+                let disk = Disk { normal, radius };
+                let t = plane(q, d, normal).map(Twofold::value);
+                assert_eq!(disk.hit(q, d).map(|hit| hit.0), t);
+                Some(t.filter(|t| *t > 0.0).map(|t| {
+                    let spot = disk.spot(q, d).unwrap();
+                    (t, p + spot.offset, spot.normal)
+                }))
+            }
             _ => None,
         }
+    }
+
+    fn exact(a: DVec3, b: DVec3) -> [Twofold; 3] {
+        [0, 1, 2].map(|k| Twofold::difference(a[k], b[k]))
+    }
+
+    /// The first end of a span with t > 0, and what is there.
+    fn first(
+        span: Option<Span>,
+        spot: impl Fn(usize) -> Option<Spot>,
+        anchor: DVec3,
+    ) -> Option<(f64, DVec3, DVec3)> {
+        let span = span?;
+        let end = (0..2).find(|&end| span.t[end].value() > 0.0)?;
+        let spot = spot(end)?;
+        Some((span.t[end].value(), anchor + spot.offset, spot.normal))
     }
 
     #[test]

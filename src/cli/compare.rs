@@ -26,7 +26,7 @@ use super::{CompareArgs, PrecisionArg, commands};
 pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, verbosity)?;
-    let quality = apply(&args.quality, &mut imported.scene)?;
+    let quality = apply(&args.quality, &mut imported)?;
     let path = args
         .output
         .clone()

@@ -122,7 +122,7 @@ pub(crate) struct Global {
 /// The scene and its overrides.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
-    /// A scene file (.toml, .obj), or the name of a shipped scene (see `rastray scenes`)
+    /// A scene file (.toml, .scn, .obj), or the name of a shipped scene (see `rastray scenes`)
     #[arg(value_name = "SCENE")]
     scene: String,
     /// Override a key of the scene file, such as material.red.shininess=64

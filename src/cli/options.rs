@@ -2,12 +2,12 @@
 
 use rastray::error::Error;
 use rastray::gl::ShadeModel;
-use rastray::import::{MAX_PIXELS, MAX_SIDE};
+use rastray::import::{Imported, MAX_PIXELS, MAX_SIDE};
 use rastray::lanes::Isa;
 use rastray::sampling::MAX_SAMPLES;
+use rastray::scene::Snap;
 use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::LEVELS;
-use rastray::scene::{Scene, Snap};
 
 use super::{ModelArg, QualityArgs, ShadingArg};
 
@@ -74,10 +74,12 @@ pub(crate) struct Quality {
 }
 
 /// Writes the flags into the scene and returns the rest.
-pub(crate) fn apply(args: &QualityArgs, scene: &mut Scene) -> Result<Quality, Error> {
+pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quality, Error> {
     if let Some(size) = &args.size {
-        (scene.image.width, scene.image.height) = parse_size(size)?;
+        let (width, height) = parse_size(size)?;
+        imported.resize(width, height);
     }
+    let scene = &mut imported.scene;
     if let Some(samples) = args.samples {
         if !(1..=MAX_SAMPLES).contains(&samples) {
             let message = format!("{samples}: expected 1 to {MAX_SAMPLES}");

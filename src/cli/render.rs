@@ -63,7 +63,7 @@ pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
-    let quality = apply(&args.quality, &mut imported.scene)?;
+    let quality = apply(&args.quality, &mut imported)?;
     let clamp = args
         .clamp
         .map_or(!format.is_float(), |clamp| clamp == ClampArg::Gl);

@@ -1,8 +1,9 @@
 //! A TOML document as a tree that remembers where every key and value stands.
 //!
-//! In: the text of a scene file and the `--set KEY=VALUE` overrides. Out: a [`Node`] tree in file order, overrides
-//! applied, so that the reader meets both alike. Spans count in one address space: the file's text first, then the text
-//! of each override; [`Document::place`] turns a span into file:line:column, or into the override's own words.
+//! In: the text of a scene file, the files that it includes (see `include`) and the `--set KEY=VALUE` overrides. Out: a
+//! [`Node`] tree in file order, included materials first, overrides applied, so that the reader meets all alike. Spans
+//! count in one address space: the file's text first, then each included file's, then the text of each override;
+//! [`Document::place`] turns a span into file:line:column, or into the override's own words.
 //! The grammar is the `toml` crate's (spanned, TOML 1.1); what its numbers, keys and tables mean is `native`'s business.
 
 use std::ops::Range;
@@ -10,7 +11,8 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::names;
+use super::text::Home;
+use super::{include, names};
 use crate::error::{Error, Place};
 
 /// A value and where it stands.
@@ -59,54 +61,144 @@ impl Value {
     }
 }
 
+/// Where a text comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// The scene file.
+    File,
+    /// A file that it includes.
+    Included,
+    /// Made by an importer: its lines are no lines of the file.
+    Made,
+    /// An override, as the user wrote it.
+    Set,
+}
+
+/// A text of the document.
+#[derive(Debug)]
+struct Source {
+    /// Its address.
+    base: usize,
+    origin: Origin,
+    file: String,
+    text: String,
+}
+
 /// A parsed document.
 #[derive(Debug)]
 pub(crate) struct Document {
-    file: String,
-    text: String,
-    /// The overrides as the user wrote them, each with the address of its text.
-    sets: Vec<(usize, String)>,
+    sources: Vec<Source>,
+    /// The next free address.
+    end: usize,
     pub(crate) root: Node,
 }
 
 impl Document {
-    /// Parses a file's text and applies overrides.
-    pub(crate) fn parse(file: &str, text: String, sets: &[String]) -> Result<Self, Error> {
+    /// Parses a file's text, reads what it includes from its home, and applies overrides.
+    pub(crate) fn parse(
+        file: &str,
+        text: String,
+        home: &Home,
+        sets: &[String],
+    ) -> Result<Self, Error> {
+        let mut document = Self::new();
+        document.root = document.add(Origin::File, file, text)?;
+        include::resolve(&mut document, home)?;
+        document.apply_all(sets)?;
+        Ok(document)
+    }
+
+    /// Parses the text that an importer made of a file, and applies overrides.
+    pub(crate) fn made(file: &str, text: String, sets: &[String]) -> Result<Self, Error> {
+        let mut document = Self::new();
+        document.root = document.add(Origin::Made, file, text)?;
+        document.apply_all(sets)?;
+        Ok(document)
+    }
+
+    fn new() -> Self {
+        Self {
+            sources: Vec::new(),
+            end: 0,
+            root: node(0..0, Value::Table(Vec::new())),
+        }
+    }
+
+    /// Parses an included file's text; its root is not part of the document's.
+    pub(super) fn add_included(&mut self, file: &str, text: String) -> Result<Node, Error> {
+        self.add(Origin::Included, file, text)
+    }
+
+    fn add(&mut self, origin: Origin, file: &str, text: String) -> Result<Node, Error> {
+        let base = self.end;
         let root = match DeTable::parse(&text) {
-            Ok(table) => node(table.span(), table_value(table.into_inner(), 0)),
+            Ok(table) => {
+                let span = shift(table.span(), base);
+                node(span, table_value(table.into_inner(), base))
+            }
             Err(error) => return Err(syntax_error(file, &text, &error)),
         };
-        let mut document = Self {
+        self.push(origin, file, text);
+        Ok(root)
+    }
+
+    /// Gives a text an address.
+    fn push(&mut self, origin: Origin, file: &str, text: String) {
+        let base = self.end;
+        self.end += text.len() + 3;
+        self.sources.push(Source {
+            base,
+            origin,
             file: file.to_owned(),
             text,
-            sets: Vec::new(),
-            root,
-        };
-        let mut base = document.text.len() + 1;
-        for set in sets {
-            document.sets.push((base, set.clone()));
-            document.apply(set, base)?;
-            base += set.len() + 3;
-        }
-        Ok(document)
+        });
+    }
+
+    fn source(&self, span: &Range<usize>) -> Option<&Source> {
+        let sources = self.sources.iter().rev();
+        sources.into_iter().find(|s| span.start >= s.base)
     }
 
     /// Where a span stands.
     pub(crate) fn place(&self, span: &Range<usize>) -> Place {
-        match self.sets.iter().rev().find(|(base, _)| span.start >= *base) {
-            Some((_, set)) => Place::file(format!("--set {set}")),
-            None => Place::span(&self.file, &self.text, span.clone()),
+        let Some(source) = self.source(span) else {
+            return self.whole();
+        };
+        let Source {
+            base, file, text, ..
+        } = source;
+        match source.origin {
+            Origin::Set => Place::file(format!("--set {text}")),
+            Origin::Made => Place::file(file),
+            Origin::File | Origin::Included => {
+                Place::span(file, text, span.start - base..span.end - base)
+            }
         }
+    }
+
+    /// Whether a span stands in an included file.
+    pub(crate) fn is_included(&self, span: &Range<usize>) -> bool {
+        let source = self.source(span);
+        source.is_some_and(|s| s.origin == Origin::Included)
     }
 
     /// The file as a whole.
     pub(crate) fn whole(&self) -> Place {
-        Place::file(&self.file)
+        Place::file(self.sources.first().map_or("", |s| s.file.as_str()))
     }
 
     /// An error about the text at a span.
     pub(crate) fn error(&self, span: &Range<usize>, message: impl Into<String>) -> Error {
         Error::input(self.place(span), message)
+    }
+
+    fn apply_all(&mut self, sets: &[String]) -> Result<(), Error> {
+        for set in sets {
+            let base = self.end;
+            self.push(Origin::Set, "", set.clone());
+            self.apply(set, base)?;
+        }
+        Ok(())
     }
 
     fn apply(&mut self, set: &str, base: usize) -> Result<(), Error> {

@@ -139,6 +139,7 @@ pub(crate) const CONVENTIONS: &[(&str, bool)] = &[("opengl", false), ("lecture",
 /// Keys and sections at the top of the file.
 pub(crate) const TOP: &[&str] = &[
     "convention",
+    "include",
     "image",
     "camera",
     "light_model",
@@ -168,6 +169,14 @@ pub(crate) const CONVENTION: KeyInfo = key(
     Kind::Choice(|| names(CONVENTIONS)),
     "\"opengl\"",
     "\"lecture\" sets specular_model = \"reflection\" and the mirror weight of every material to K_S, where they are not stated",
+);
+
+/// `include`.
+pub(crate) const INCLUDE: KeyInfo = key(
+    "include",
+    Kind::Names,
+    "",
+    "Files whose materials this file uses, their paths relative to it",
 );
 
 /// `[image]`.

@@ -1,4 +1,5 @@
-//! Files to scenes: the TOML scene file and OBJ meshes, and the scenes that are shipped inside the program.
+//! Files to scenes: the TOML scene file, OBJ meshes and Princeton's .scn, and the scenes that are shipped inside the
+//! program.
 //!
 //! In: a path or the name of a shipped scene, and `KEY=VALUE` overrides. Out: a [`Scene`] and notes about what was
 //! dropped, invented or doubted. Every importer ends in the same [`Scene`], so the renderers know no file format.
@@ -11,13 +12,16 @@
 //! ```
 
 mod document;
+mod include;
 pub mod keys;
+mod lexer;
 mod names;
 mod native;
 mod obj;
 mod polygon;
 mod reader;
 mod schema;
+mod scn;
 mod shipped;
 pub mod text;
 
@@ -28,7 +32,7 @@ pub use schema::schema;
 pub use shipped::{Shipped, shipped};
 
 use crate::error::{Error, Note, Place};
-use crate::scene::Scene;
+use crate::scene::{Projection, Scene};
 use document::Document;
 use native::Contents;
 use text::{Home, MAX_TEXT};
@@ -64,6 +68,21 @@ pub struct Imported {
     pub files: Vec<PathBuf>,
     /// What of the camera was fitted.
     pub fitted: Fitted,
+    /// Half of the picture's width at distance 1, where the file states the horizontal angle instead of the vertical
+    /// one (.scn).
+    pub half_width: Option<f64>,
+}
+
+impl Imported {
+    /// Gives the picture another size. Where the file states the horizontal angle, that angle stays and the vertical
+    /// one follows; else it is the other way round.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        (self.scene.image.width, self.scene.image.height) = (width, height);
+        if let Some(half_width) = self.half_width {
+            let fovy_deg = native::vertical_angle(half_width, &self.scene.image);
+            self.scene.camera.projection = Projection::Perspective { fovy_deg };
+        }
+    }
 }
 
 /// Loads a file, or a shipped scene by its name. A path that exists wins.
@@ -108,13 +127,14 @@ fn load_path(path: &Path, name: &str, options: &LoadOptions) -> Result<Imported,
             load_toml(name, text, home, &stem, options)
         }
         "obj" => load_obj(name, &file, home, &stem, options),
+        "scn" => load_scn(name, &file, home, &stem, options),
         other => Err(Error::Unsupported {
             place: Some(Box::new(Place::file(name))),
             message: match other {
                 "" => "a scene file needs an extension".into(),
                 other => format!("files of type .{other} are not imported"),
             },
-            help: Some("rastray reads .toml scenes and .obj meshes".into()),
+            help: Some("rastray reads .toml and .scn scenes and .obj meshes".into()),
         }),
     }
 }
@@ -126,16 +146,9 @@ fn load_toml(
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
-    let document = Document::parse(file, text, &options.sets)?;
-    let (mut scene, notes, fitted) = native::read(&document, &home, Contents::default())?;
-    scene.name = stem.to_owned();
-    Ok(Imported {
-        scene,
-        notes,
-        source: file.to_owned(),
-        files: home.files(),
-        fitted,
-    })
+    let document = Document::parse(file, text, &home, &options.sets)?;
+    let read = native::read(&document, &home, Contents::default())?;
+    Ok(imported(read, Vec::new(), file, home, stem))
 }
 
 fn load_obj(
@@ -146,22 +159,52 @@ fn load_obj(
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
     // Overrides are parsed before the mesh is read, which may take a while.
-    let document = Document::parse(name, obj::INVENTED_LIGHTS.to_owned(), &options.sets)?;
+    let document = Document::made(name, obj::INVENTED_LIGHTS.to_owned(), &options.sets)?;
     let (contents, mut notes) = obj::contents(&home, file, stem)?;
-    let (mut scene, more, fitted) = native::read(&document, &home, contents)?;
+    let read = native::read(&document, &home, contents)?;
     notes.push(Note {
         place: None,
         message: "the file has no lights: two were invented, light.key and light.fill".into(),
     });
-    notes.extend(more);
+    Ok(imported(read, notes, name, home, stem))
+}
+
+fn load_scn(
+    name: &str,
+    file: &str,
+    home: Home,
+    stem: &str,
+    options: &LoadOptions,
+) -> Result<Imported, Error> {
+    let scn::Loaded {
+        contents,
+        document,
+        notes,
+    } = scn::load(&home, file)?;
+    let document = Document::made(name, document, &options.sets)?;
+    let read = native::read(&document, &home, contents)?;
+    Ok(imported(read, notes, name, home, stem))
+}
+
+/// What was read of a file and its document; `notes` come before those of the document.
+fn imported(
+    read: native::Read,
+    mut notes: Vec<Note>,
+    source: &str,
+    home: Home,
+    stem: &str,
+) -> Imported {
+    notes.extend(read.notes);
+    let mut scene = read.scene;
     scene.name = stem.to_owned();
-    Ok(Imported {
+    Imported {
         scene,
         notes,
-        source: name.to_owned(),
+        source: source.to_owned(),
         files: home.files(),
-        fitted,
-    })
+        fitted: read.fitted,
+        half_width: read.half_width,
+    }
 }
 
 /// The error for a name that is neither a file nor a shipped scene.

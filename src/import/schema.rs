@@ -27,6 +27,7 @@ fn document() -> Value {
         "type": "object",
         "properties": {
             "convention": property(&keys::CONVENTION),
+            "include": property(&keys::INCLUDE),
             "image": section(&[keys::IMAGE], "Size, background and samples"),
             "camera": section(&[keys::CAMERA], "The view; fitted to the scene where omitted"),
             "light_model": section(&[keys::LIGHT_MODEL], "OpenGL's light model"),

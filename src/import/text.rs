@@ -114,7 +114,7 @@ fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
 /// The error for a folder.
 pub(crate) fn folder(name: &str) -> Error {
     Error::input(Place::file(name), "is a folder, not a scene")
-        .with_help("name a .toml or .obj file in it")
+        .with_help("name a .toml, .scn or .obj file in it")
 }
 
 /// Refuses what cannot be a text: nothing at all, pictures, other binary files, UTF-16.
@@ -153,6 +153,18 @@ pub(crate) fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, Error> {
         Error::input(Place::span(name, &text, good..good + 1), message)
             .with_help("save the file as UTF-8")
     })?;
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
+}
+
+/// The text of a file of plain words, without its byte order mark. What is not UTF-8, in old comments mostly, becomes
+/// replacement characters.
+pub(crate) fn lossy(name: &str, bytes: Vec<u8>) -> Result<String, Error> {
+    check_text(name, &bytes)?;
+    let mut text = String::from_utf8(bytes)
+        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }

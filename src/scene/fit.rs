@@ -1,6 +1,6 @@
 //! Bounds of a scene, and the cameras and near distances that follow from them where a file is silent.
 //!
-//! World space, f64. Bounds are exact for spheres, patches and boxes under any affine transform, and the vertices' own
+//! World space, f64. Bounds are exact for every shape under any affine transform, and the vertices' own
 //! for meshes. Nothing here is an absolute distance: every rule scales with the scene.
 
 use super::{Camera, Geometry, Object, Projection, Shape};
@@ -83,17 +83,13 @@ fn of_points(m: &DAffine3, points: impl Iterator<Item = DVec3>) -> Option<Bounds
         .reduce(|a, b| a.union(&b))
 }
 
-fn of_shape(shape: &Shape, m: &DAffine3) -> Option<Bounds> {
+/// The bounds of a shape in world space, whatever its transform does to it.
+pub fn of_shape(shape: &Shape, m: &DAffine3) -> Option<Bounds> {
     match *shape {
         Shape::Sphere { center, radius } => {
             // An affine image of a sphere reaches as far along an axis as that row of the matrix is long.
             let c = m.transform_point3(center);
-            let rows = m.matrix3.transpose();
-            let reach = DVec3::new(
-                rows.x_axis.length(),
-                rows.y_axis.length(),
-                rows.z_axis.length(),
-            ) * radius;
+            let reach = radius * reach(m, |row| row.length());
             Some(Bounds {
                 min: c - reach,
                 max: c + reach,
@@ -114,6 +110,58 @@ fn of_shape(shape: &Shape, m: &DAffine3) -> Option<Bounds> {
             of_points(m, points.into_iter())
         }
         Shape::Box { min, max } => of_points(m, Bounds { min, max }.corners().into_iter()),
+        Shape::Disk {
+            center,
+            normal,
+            radius,
+        } => Some(of_disk(center, normal, radius, m)),
+        Shape::Cylinder {
+            base, top, radius, ..
+        } => {
+            let ends = [base, top].map(|p| of_disk(p, top - base, radius, m));
+            Some(ends[0].union(&ends[1]))
+        }
+        Shape::Cone {
+            base, apex, radius, ..
+        } => {
+            let tip = of_points(m, std::iter::once(apex))?;
+            Some(of_disk(base, apex - base, radius, m).union(&tip))
+        }
+        Shape::Torus {
+            center,
+            axis,
+            major,
+            minor,
+        } => {
+            // A ball carried around a circle: their reaches add.
+            let ring = of_disk(center, axis, major, m);
+            let ball = minor * reach(m, |row| row.length());
+            Some(Bounds {
+                min: ring.min - ball,
+                max: ring.max + ball,
+            })
+        }
+    }
+}
+
+/// One number for each row of the linear part.
+fn reach(m: &DAffine3, of_row: impl Fn(DVec3) -> f64) -> DVec3 {
+    let rows = m.matrix3.transpose();
+    DVec3::new(
+        of_row(rows.x_axis),
+        of_row(rows.y_axis),
+        of_row(rows.z_axis),
+    )
+}
+
+/// An affine image of a circle reaches as far along an axis as that row's part in the plane of the circle is long.
+fn of_disk(center: DVec3, normal: DVec3, radius: f64, m: &DAffine3) -> Bounds {
+    let n = DVec3::from_array(crate::math::float::normalize(normal.to_array()).0);
+    let c = m.transform_point3(center);
+    let reach = radius * reach(m, |row| row.cross(n).length());
+    Bounds {
+        min: c - reach,
+        max: c + reach,
     }
 }
 

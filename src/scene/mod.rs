@@ -8,6 +8,7 @@ pub mod camera;
 pub mod fit;
 pub mod optics;
 pub mod requirements;
+pub mod round;
 pub mod shape;
 pub mod tessellate;
 

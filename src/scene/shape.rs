@@ -31,6 +31,48 @@ pub enum Shape {
         /// Highest corner.
         max: DVec3,
     },
+    /// A flat disk.
+    Disk {
+        /// Centre.
+        center: DVec3,
+        /// Its front side, any length but 0.
+        normal: DVec3,
+        /// Radius, > 0.
+        radius: f64,
+    },
+    /// A circular cylinder.
+    Cylinder {
+        /// Middle of one end.
+        base: DVec3,
+        /// Middle of the other end, != base.
+        top: DVec3,
+        /// Radius, > 0.
+        radius: f64,
+        /// Both ends are closed; else it is a tube without thickness, front outside.
+        caps: bool,
+    },
+    /// A circular cone.
+    Cone {
+        /// Middle of the round end.
+        base: DVec3,
+        /// The tip, != base.
+        apex: DVec3,
+        /// Radius at the base, > 0.
+        radius: f64,
+        /// The round end is closed; else it is a funnel without thickness, front outside.
+        cap: bool,
+    },
+    /// A ring torus.
+    Torus {
+        /// Centre.
+        center: DVec3,
+        /// Axis of the ring, any length but 0.
+        axis: DVec3,
+        /// Distance of the tube's middle from the centre, > `minor`.
+        major: f64,
+        /// Radius of the tube, > 0.
+        minor: f64,
+    },
 }
 
 /// An indexed triangle mesh. Counter-clockwise from outside = front; the provoking vertex is the last of a triangle.
@@ -72,8 +114,9 @@ impl Mesh {
 }
 
 impl Shape {
-    /// Whether flat polygons are the exact shape (so tessellation changes nothing but the vertices).
+    /// Whether flat polygons are the exact shape (so tessellation changes nothing but the vertices). A disk is flat, but no
+    /// polygon.
     pub fn is_flat(&self) -> bool {
-        !matches!(self, Self::Sphere { .. })
+        matches!(self, Self::Patch { .. } | Self::Box { .. })
     }
 }

@@ -3,7 +3,9 @@
 //! A sphere of `level` slices and `level / 2` stacks has its vertices on the sphere; with step a = 2 pi / level the
 //! mesh lies at most r (1 - cos(a / 2)^2) inside it (a quarter turn of slices and of stacks at once), about
 //! r a^2 / 4 = r pi^2 / level^2. Its vertex normals are exact. Flat shapes have no such error: a level only adds vertices.
+//! The other round shapes stand in [`super::round`].
 
+use super::round;
 use super::shape::{Mesh, Shape};
 use crate::math::{DVec2, DVec3};
 
@@ -23,11 +25,52 @@ pub fn tessellate(shape: &Shape, level: u32, cells: u32) -> Mesh {
             tiles,
         } => patch(corner, edge_u, edge_v, tiles, cells),
         Shape::Box { min, max } => cuboid(min, max, cells),
+        Shape::Disk {
+            center,
+            normal,
+            radius,
+        } => round::disk(center, normal, radius, level),
+        Shape::Cylinder {
+            base,
+            top,
+            radius,
+            caps,
+        } => round::cylinder(base, top, radius, caps, level),
+        Shape::Cone {
+            base,
+            apex,
+            radius,
+            cap,
+        } => round::cone(base, apex, radius, cap, level),
+        Shape::Torus {
+            center,
+            axis,
+            major,
+            minor,
+        } => round::torus(center, axis, major, minor, level),
+    }
+}
+
+/// How many triangles [`tessellate`] makes.
+pub fn triangle_count(shape: &Shape, level: u32, cells: u32) -> u64 {
+    let [slices, stacks, rings, tube] = round::divisions(level).map(u64::from);
+    let cells = u64::from(cells.max(1));
+    let cap = slices * (2 * rings - 1);
+    match shape {
+        Shape::Sphere { .. } => 2 * slices * ((slices / 2).max(2) - 1),
+        Shape::Patch { tiles: [a, b], .. } => 2 * u64::from(*a) * u64::from(*b) * cells * cells,
+        Shape::Box { .. } => 12 * cells * cells,
+        Shape::Disk { .. } => cap,
+        Shape::Cylinder { caps, .. } => 2 * slices * stacks + if *caps { 2 * cap } else { 0 },
+        Shape::Cone { cap: closed, .. } => {
+            slices * (2 * stacks - 1) + if *closed { cap } else { 0 }
+        }
+        Shape::Torus { .. } => 2 * slices * tube,
     }
 }
 
 /// Sine and cosine of `i / n` of a full turn, exact at the quarter turns.
-fn turn(i: u32, n: u32) -> (f64, f64) {
+pub(super) fn turn(i: u32, n: u32) -> (f64, f64) {
     let eighth = 8 * u64::from(i) % (8 * u64::from(n));
     match (eighth / u64::from(n), eighth.is_multiple_of(u64::from(n))) {
         (0, true) => (0.0, 1.0),

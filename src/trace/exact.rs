@@ -159,6 +159,34 @@ impl Twofold {
     }
 }
 
+impl Twofold {
+    /// Times a power of two, exactly.
+    #[inline]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            high: self.high * factor,
+            low: self.low * factor,
+        }
+    }
+
+    /// Whether this is below another; infinities compare as numbers do.
+    #[inline]
+    pub fn is_below(self, other: Self) -> bool {
+        self.high < other.high || (self.high == other.high && self.low < other.low)
+    }
+
+    /// Quotient of two pairs, of which one may leave the number range.
+    #[inline]
+    pub(super) fn over(self, other: Self) -> Self {
+        let plain = self.high / other.high;
+        if plain.is_finite() && plain != 0.0 {
+            self / other
+        } else {
+            Self::from(plain)
+        }
+    }
+}
+
 /// Dot product of two vectors of pairs.
 #[inline]
 pub fn dot2(a: [Twofold; 3], b: [Twofold; 3]) -> Twofold {
@@ -173,6 +201,18 @@ pub fn cross2(a: [Twofold; 3], b: [Twofold; 3]) -> [Twofold; 3] {
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
+}
+
+/// Scaled and added: a + s b.
+#[inline]
+pub fn add_scaled(a: [Twofold; 3], s: Twofold, b: [Twofold; 3]) -> [Twofold; 3] {
+    [0, 1, 2].map(|k| a[k] + s * b[k])
+}
+
+/// Each component rounded to f64.
+#[inline]
+pub fn values(v: [Twofold; 3]) -> DVec3 {
+    DVec3::from_array(v.map(Twofold::value))
 }
 
 /// A vector as pairs.

@@ -9,6 +9,7 @@
 //! | `exact` | products and sums with known error |
 //! | `ray` | rays, hits, the spawn offset |
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
+//! | `disk` `cylinder` `cone` `torus` | round shapes, `span` where convex; `body` one interface to them |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` | the hierarchy |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
@@ -26,10 +27,14 @@
 //!
 //! Left out: instances, textures, packets; a camera inside a medium starts in air all the same.
 
+mod body;
 mod branch;
 pub mod build;
 pub mod bvh;
+pub mod cone;
 pub mod cuboid;
+pub mod cylinder;
+pub mod disk;
 pub mod exact;
 mod media;
 pub mod optics;
@@ -37,11 +42,13 @@ pub mod planar;
 pub mod ray;
 mod shadow;
 mod solid;
+pub mod span;
 pub mod sphere;
 mod split;
 mod sums;
 pub mod surface;
 mod tile;
+pub mod torus;
 
 use std::time::Instant;
 

@@ -1,18 +1,21 @@
 //! Exact shapes placed in the world: what a ray meets of them, in f64.
 //!
 //! Spheres and boxes take the ray to object space without renormalising, so that t is common to all primitives; the
-//! difference to the shape's own place is taken in world space first. Patches become parallelograms in the world.
+//! difference to the shape's own place is taken in world space first; so do the round shapes of [`super::body`]. Patches
+//! become parallelograms in the world.
 //! A shape that its transform flattens (singular matrix) encloses nothing and is no hit; a patch without area likewise.
 
+use super::body::Body;
 use super::build::Bounds;
 use super::cuboid::{face_normal, slabs};
 use super::exact::{Twofold, unit};
 use super::planar::Shear;
 use super::ray::{Foot, Hit, Ray};
+use super::span::Spot;
 use super::sphere::{Roots, roots};
 use crate::math::transform::{mirrors, normal_matrix};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::Shape;
+use crate::scene::{Shape, fit};
 
 /// An exact shape in the world.
 #[derive(Clone, Debug)]
@@ -47,6 +50,12 @@ enum Form {
         mirrored: bool,
         tiles: [u32; 2],
     },
+    Round {
+        anchor_world: DVec3,
+        body: Body,
+        size_world: f64,
+        bounds: Bounds,
+    },
 }
 
 impl Solid {
@@ -77,6 +86,7 @@ impl Solid {
                 edge_v,
                 tiles,
             } => patch(place, corner, edge_u, edge_v, tiles)?,
+            _ => round(shape, place)?,
         };
         let flat = matches!(form, Form::Patch { .. });
         if !flat && !inverse.is_finite() {
@@ -116,52 +126,76 @@ impl Solid {
             Form::Patch { corners_world, .. } => {
                 Bounds::of(corners_world.iter().map(|p| DVec3::from_array(*p)))
             }
+            Form::Round { bounds, .. } => *bounds,
         }
     }
 
     /// A planar shape: a ray that leaves it never meets it again.
     pub(super) fn is_planar(&self) -> bool {
-        matches!(self.form, Form::Patch { .. })
+        match &self.form {
+            Form::Patch { .. } => true,
+            Form::Round { body, .. } => body.is_planar(),
+            _ => false,
+        }
+    }
+
+    /// Flat or convex: a ray that leaves it outwards never meets it again.
+    pub(super) fn is_convex(&self) -> bool {
+        match &self.form {
+            Form::Round { body, .. } => body.is_convex(),
+            _ => true,
+        }
     }
 
     /// Every place where the ray meets the shape, at any t, near first; `item` is passed on.
     #[inline]
-    pub(super) fn hits(&self, item: u32, ray: &Ray, shear: &Shear) -> [Option<Hit>; 2] {
-        let hit = |t: f64, feature: u32, back: bool| {
+    pub(super) fn hits(&self, item: u32, ray: &Ray, shear: &Shear, visit: &mut impl FnMut(Hit)) {
+        let mut hit = |t: f64, feature: u32, back: bool| {
             let (primitive, uv) = (self.primitive, [0.0; 2]);
-            Some(Hit {
+            visit(Hit {
                 t,
                 primitive,
                 item,
                 uv,
                 feature,
                 back,
-            })
+            });
         };
         match &self.form {
-            Form::Sphere { .. } => self
-                .sphere_roots(ray)
-                .map_or([None; 2], |r| [hit(r.t[0], 0, false), hit(r.t[1], 1, true)]),
+            Form::Sphere { .. } => {
+                if let Some(r) = self.sphere_roots(ray) {
+                    hit(r.t[0], 0, false);
+                    hit(r.t[1], 1, true);
+                }
+            }
             Form::Cuboid { min, max, .. } => {
                 let (o, d) = self.ray_object(ray);
-                slabs(o, d, *min, *max).map_or([None; 2], |s| {
-                    [hit(s.t[0], s.face[0], false), hit(s.t[1], s.face[1], true)]
-                })
+                if let Some(s) = slabs(o, d, *min, *max) {
+                    hit(s.t[0], s.face[0], false);
+                    hit(s.t[1], s.face[1], true);
+                }
+            }
+            Form::Round {
+                anchor_world, body, ..
+            } => {
+                let (q, d) = self.ray_about(*anchor_world, ray);
+                body.crossings(q, d, hit);
             }
             Form::Patch {
                 corners_world,
                 mirrored,
                 ..
             } => {
-                let found = shear.parallelogram(*corners_world).map(|p| Hit {
-                    t: p.t,
-                    primitive: self.primitive,
-                    item,
-                    uv: p.uv,
-                    feature: 0,
-                    back: p.back != *mirrored,
-                });
-                [found, None]
+                if let Some(p) = shear.parallelogram(*corners_world) {
+                    visit(Hit {
+                        t: p.t,
+                        primitive: self.primitive,
+                        item,
+                        uv: p.uv,
+                        feature: 0,
+                        back: p.back != *mirrored,
+                    });
+                }
             }
         }
     }
@@ -206,6 +240,27 @@ impl Solid {
                 };
                 (foot, tile(u, tiles[0]) + tile(v, tiles[1]))
             }
+            Form::Round {
+                anchor_world,
+                body,
+                size_world,
+                ..
+            } => {
+                let (q, d) = self.ray_about(*anchor_world, ray);
+                let spot = body.spot(q, d, hit.feature).unwrap_or(Spot {
+                    offset: DVec3::ZERO,
+                    normal: DVec3::ZERO,
+                });
+                let reach = self
+                    .linear
+                    .map_or(spot.offset, |(linear, _)| linear * spot.offset);
+                let foot = Foot {
+                    point: *anchor_world + reach,
+                    normal: self.normal(spot.normal),
+                    scale: *size_world,
+                };
+                (foot, 0)
+            }
         }
     }
 
@@ -236,17 +291,19 @@ impl Solid {
         else {
             return None;
         };
-        let (c, o) = (center_world.to_array(), ray.origin.to_array());
+        let (q, d) = self.ray_about(*center_world, ray);
+        roots(q, d, *radius)
+    }
+
+    /// From the ray's origin to a point of the shape, and the ray's direction, in object space.
+    fn ray_about(&self, anchor_world: DVec3, ray: &Ray) -> ([Twofold; 3], DVec3) {
+        let (c, o) = (anchor_world.to_array(), ray.origin.to_array());
         let q = [0, 1, 2].map(|k| Twofold::difference(c[k], o[k]));
         match &self.linear {
-            None => roots(q, ray.direction, *radius),
+            None => (q, ray.direction),
             Some((_, inverse)) => {
                 let q = *inverse * DVec3::from_array(q.map(Twofold::value));
-                roots(
-                    q.to_array().map(Twofold::from),
-                    *inverse * ray.direction,
-                    *radius,
-                )
+                (q.to_array().map(Twofold::from), *inverse * ray.direction)
             }
         }
     }
@@ -276,6 +333,19 @@ fn patch(place: &DAffine3, corner: DVec3, u: DVec3, v: DVec3, tiles: [u32; 2]) -
         normal_world,
         mirrored: mirrors(place),
         tiles,
+    })
+}
+
+fn round(shape: &Shape, place: &DAffine3) -> Option<Form> {
+    let (anchor, body) = Body::of(shape)?;
+    let (axis, radius) = body.lengths();
+    let linear = &place.matrix3;
+    let bounds = fit::of_shape(shape, place)?;
+    Some(Form::Round {
+        anchor_world: place.transform_point3(anchor),
+        body,
+        size_world: (*linear * axis).abs().max_element() + radius * spread(linear).max_element(),
+        bounds: Bounds::of([bounds.min, bounds.max]),
     })
 }
 

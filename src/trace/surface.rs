@@ -96,12 +96,12 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let shear = Shear::new(ray.origin, ray.direction)?;
         let mut best = None;
         self.bvh.traverse(ray, walker, |slot, t_max| {
-            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
+            self.hits(slot, ray, &shear, |hit| {
                 if hit.t >= ray.t_min && hit.t <= *t_max && wins(&hit, &best) {
                     best = Some(hit);
                     *t_max = hit.t;
                 }
-            }
+            });
             false
         });
         best
@@ -113,8 +113,9 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return false;
         };
         self.bvh.traverse(ray, walker, |slot, _| {
-            let hits = self.hits(slot, ray, &shear);
-            hits.iter().flatten().any(|hit| in_range(ray, hit))
+            let mut found = false;
+            self.hits(slot, ray, &shear, |hit| found |= in_range(ray, &hit));
+            found
         })
     }
 
@@ -132,15 +133,14 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return Some(found);
         };
         let stopped = self.bvh.traverse(ray, walker, |slot, _| {
-            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
-                if in_range(ray, &hit) {
-                    if !keep(&hit) {
-                        return true;
-                    }
+            let mut stop = false;
+            self.hits(slot, ray, &shear, |hit| {
+                if !stop && in_range(ray, &hit) {
+                    stop = !keep(&hit);
                     found.push(hit);
                 }
-            }
-            false
+            });
+            stop
         });
         found.sort_by(|a, b| {
             let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
@@ -154,11 +154,11 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let shear = Shear::new(ray.origin, ray.direction)?;
         let mut best = None;
         for slot in 0..self.items.len() {
-            for hit in self.hits(slot, ray, &shear).into_iter().flatten() {
+            self.hits(slot, ray, &shear, |hit| {
                 if in_range(ray, &hit) && wins(&hit, &best) {
                     best = Some(hit);
                 }
-            }
+            });
         }
         best
     }
@@ -191,25 +191,28 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
     }
 
+    /// Shows every hit of a slot, at any t.
     #[inline]
-    fn hits(&self, slot: usize, ray: &Ray, shear: &Shear) -> [Option<Hit>; 2] {
+    fn hits(&self, slot: usize, ray: &Ray, shear: &Shear, mut visit: impl FnMut(Hit)) {
         let item = self.items[slot];
         if item == ray.skip {
-            return [None; 2];
+            return;
         }
         if item & SOLID != 0 {
-            return self.solid(item).hits(item, ray, shear);
+            self.solid(item).hits(item, ray, shear, &mut visit);
+            return;
         }
         let corners = self.corners[slot].map(|p| p.map(Real::to_f64));
-        let hit = shear.triangle(corners).map(|p| Hit {
-            t: p.t,
-            primitive: item,
-            item,
-            uv: p.uv,
-            feature: 0,
-            back: p.back,
-        });
-        [hit, None]
+        if let Some(p) = shear.triangle(corners) {
+            visit(Hit {
+                t: p.t,
+                primitive: item,
+                item,
+                uv: p.uv,
+                feature: 0,
+                back: p.back,
+            });
+        }
     }
 
     fn solid(&self, item: u32) -> &Solid {
@@ -246,10 +249,12 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let (foot, tile) = solid.foot(ray, hit);
         let eye = self.rotation * (foot.point - self.eye);
         // A convex solid cannot be met again on the outside, a planar one on neither side.
-        let inside = if solid.is_planar() {
-            hit.item
-        } else {
-            super::ray::NO_ITEM
+        let skip_if = |never_again: bool| {
+            if never_again {
+                hit.item
+            } else {
+                super::ray::NO_ITEM
+            }
         };
         Site {
             foot,
@@ -258,7 +263,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             object: solid.object,
             material: self.solid_material(solid, tile),
             back: hit.back != self.front_is_clockwise(),
-            skip: [hit.item, inside],
+            skip: [skip_if(solid.is_convex()), skip_if(solid.is_planar())],
         }
     }
 

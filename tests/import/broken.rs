@@ -262,7 +262,7 @@ const SECTIONS: &[(&str, &str, &str)] = &[
     ),
     (
         "include = \"a.toml\"\n",
-        "1:11 `include` is not supported: shared materials cannot be included yet",
+        "1:11 include: expected a list of file names, [\"materials.toml\"], found the string \"a.toml\"",
         "",
     ),
     ("camera = 3\n", "1:10 camera: expected a table, found 3", ""),
@@ -527,7 +527,7 @@ fn what_is_no_scene_is_called_by_its_name() {
     }
     let (message, help) = failure(load_text("a.nff", "b 0 0 0", &[]));
     assert_eq!(message, "files of type .nff are not imported");
-    assert_eq!(help, "rastray reads .toml scenes and .obj meshes");
+    assert_eq!(help, "rastray reads .toml and .scn scenes and .obj meshes");
     let folder = tempfile::tempdir().unwrap();
     let (message, _) = failure(super::load_with(folder.path(), &[]));
     assert_eq!(message, "is a folder, not a scene");

@@ -3,8 +3,8 @@
 //! Sections are read in the order image, light model, raster, trace, lights, materials, objects, camera, since the
 //! camera may be fitted to the objects; lights, materials and objects keep the file's order. What the file leaves out
 //! has OpenGL's default but for the exceptions of DESIGN, section 1. Not read in this version, each an error with a
-//! reason: textures, `color_material`, `raster.transparency = "blend"`, `raster.snap = "exact"`, includes, and the shapes
-//! disk, cylinder, cone and torus.
+//! reason: textures, `color_material`, `raster.transparency = "blend"`, `raster.snap = "exact"`, and the shapes disk,
+//! cylinder, cone and torus.
 
 mod lights;
 mod materials;
@@ -14,29 +14,43 @@ mod settings;
 mod shapes;
 mod transform;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::document::{Document, Key, Node, Value};
 use super::keys::{self, CONVENTION, CONVENTIONS, TOP};
-use super::reader::{Section, table, unsupported};
+use super::reader::{Section, table};
 use super::text::Home;
 use super::{Fitted, names, obj};
 use crate::error::{Error, Note};
-use crate::scene::{Material, Object, Scene};
+use crate::scene::{ImageSettings, Material, Object, Scene};
 
 /// What an importer of another format found: the rest of the scene comes from overrides and defaults.
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
     pub(crate) materials: Vec<Material>,
     pub(crate) objects: Vec<Object>,
+    /// Half of the picture's width at distance 1, where the camera states no angle of its own.
+    pub(crate) half_width: Option<f64>,
+}
+
+/// What a document and its contents make.
+#[derive(Debug)]
+pub(crate) struct Read {
+    pub(crate) scene: Scene,
+    pub(crate) notes: Vec<Note>,
+    pub(crate) fitted: Fitted,
+    /// As in [`Contents`], where it was used.
+    pub(crate) half_width: Option<f64>,
+}
+
+/// The full vertical angle in degrees of a picture whose half width at distance 1 is given: tan scales with the sides.
+pub(crate) fn vertical_angle(half_width: f64, image: &ImageSettings) -> f64 {
+    let (width, height) = (f64::from(image.width), f64::from(image.height));
+    2.0 * libm::atan(half_width * height / width).to_degrees()
 }
 
 /// Reads a document. `contents` come before what the document itself holds.
-pub(crate) fn read(
-    document: &Document,
-    home: &Home,
-    contents: Contents,
-) -> Result<(Scene, Vec<Note>, Fitted), Error> {
+pub(crate) fn read(document: &Document, home: &Home, contents: Contents) -> Result<Read, Error> {
     let mut reader = Reader::new(document, home, contents);
     let top = reader.top()?;
     reader.convention(&top)?;
@@ -48,6 +62,9 @@ pub(crate) fn read(
         reader.light(key, node)?;
     }
     for (key, node) in top.named("material")? {
+        if document.is_included(&key.span) {
+            reader.shared_materials.insert(reader.scene.materials.len());
+        }
         reader.material(key, node)?;
     }
     for (key, node) in top.named("object")? {
@@ -59,7 +76,12 @@ pub(crate) fn read(
     }
     let fitted = reader.camera(top.get("camera"))?;
     reader.closing_notes();
-    Ok((reader.scene, reader.notes, fitted))
+    Ok(Read {
+        scene: reader.scene,
+        notes: reader.notes,
+        fitted,
+        half_width: reader.half_width,
+    })
 }
 
 /// A reading under way.
@@ -76,6 +98,10 @@ struct Reader<'a> {
     default_material: Option<usize>,
     /// OBJ files read so far, by name and `smooth`.
     models: HashMap<(String, Option<bool>), obj::Shared>,
+    /// Half of the picture's width at distance 1, if that is the angle to use.
+    half_width: Option<f64>,
+    /// Materials of included files, which need not be used.
+    shared_materials: HashSet<usize>,
     /// Materials by name.
     material_index: HashMap<String, usize>,
     /// Triangles that stated levels and tiles ask for.
@@ -129,6 +155,8 @@ impl<'a> Reader<'a> {
             back_without_two_sides: Vec::new(),
             default_material: None,
             models: HashMap::new(),
+            half_width: contents.half_width,
+            shared_materials: HashSet::new(),
             material_index: HashMap::new(),
             tessellated: 0,
             mesh_triangles: 0,
@@ -144,8 +172,9 @@ impl<'a> Reader<'a> {
         let entries = table(self.document, &self.document.root, "the file")?;
         for (key, node) in entries {
             if key.name == "include" {
-                let reason = "shared materials cannot be included yet";
-                return Err(unsupported(self.document, node, "`include`", reason));
+                // Those of the file are resolved by now: this one is an override's.
+                let message = "include: files are included by the scene file only";
+                return Err(self.document.error(&key.span, message));
             }
             if !TOP.contains(&key.name.as_str()) {
                 return Err(unknown_section(self.document, key, node));
@@ -208,9 +237,9 @@ impl<'a> Reader<'a> {
             .scene
             .materials
             .iter()
-            .zip(used)
-            .filter(|(_, used)| !used)
-            .map(|(m, _)| m.name.as_str())
+            .enumerate()
+            .filter(|(i, _)| !used[*i] && !self.shared_materials.contains(i))
+            .map(|(_, m)| m.name.as_str())
             .collect();
         let message = match unused.len() {
             0 => return,
@@ -239,7 +268,7 @@ fn unknown_section(document: &Document, key: &Key, node: &Node) -> Error {
 }
 
 /// The note about a value that real OpenGL refuses.
-pub(super) fn gl_would_refuse(path: &str, violation: &crate::gl::RangeViolation) -> String {
+pub(crate) fn gl_would_refuse(path: &str, violation: &crate::gl::RangeViolation) -> String {
     format!(
         "{path}: GL would refuse {} {} ({}); evaluated all the same",
         violation.parameter, violation.value, violation.legal

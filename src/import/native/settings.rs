@@ -1,6 +1,6 @@
 //! `[image]`, `[camera]`, `[light_model]`, `[raster]` and `[trace]`.
 
-use super::Reader;
+use super::{Reader, vertical_angle};
 use crate::error::Error;
 use crate::gl::{ColorControl, ShadeModel, SpecularModel};
 use crate::import::Fitted;
@@ -156,6 +156,14 @@ impl<'a> Reader<'a> {
         let aspect = f64::from(image.width) / f64::from(image.height);
         let stated = section.as_ref().map_or(Ok(View::default()), view)?;
         let mut camera = stated.camera;
+        let states_angle = |s: &Section<'a>| s.has("fovy") || s.has("orthographic");
+        if section.as_ref().is_some_and(states_angle) {
+            self.half_width = None;
+        }
+        if let Some(half_width) = self.half_width {
+            let fovy_deg = vertical_angle(half_width, image);
+            camera.projection = Projection::Perspective { fovy_deg };
+        }
         let bounds = Bounds::of_objects(&self.scene.objects).unwrap_or(Bounds {
             min: DVec3::NEG_ONE,
             max: DVec3::ONE,

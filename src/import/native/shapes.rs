@@ -8,6 +8,7 @@ use crate::import::document::{Node, Value};
 use crate::import::keys::{MAX_TESSELLATED, MAX_TILES, Range};
 use crate::import::reader::Section;
 use crate::math::DVec3;
+use crate::scene::tessellate::{DEFAULT_LEVEL, triangle_count};
 use crate::scene::{Geometry, Shape};
 
 impl<'a> Reader<'a> {
@@ -53,15 +54,8 @@ impl<'a> Reader<'a> {
         shape: &Shape,
         tessellation: Option<u32>,
     ) -> Result<(), Error> {
-        let cells = u64::from(tessellation.unwrap_or(1));
-        let triangles = match shape {
-            Shape::Sphere { .. } => {
-                let slices = u64::from(tessellation.unwrap_or(64));
-                2 * slices * (slices / 2).saturating_sub(1)
-            }
-            Shape::Patch { tiles: [a, b], .. } => 2 * u64::from(*a) * u64::from(*b) * cells * cells,
-            Shape::Box { .. } => 12 * cells * cells,
-        };
+        let level = tessellation.unwrap_or(DEFAULT_LEVEL);
+        let triangles = triangle_count(shape, level, tessellation.unwrap_or(1));
         self.tessellated += triangles;
         if self.tessellated > MAX_TESSELLATED {
             let message = format!(

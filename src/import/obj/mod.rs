@@ -234,6 +234,7 @@ pub(crate) fn contents(
     let contents = Contents {
         objects: objects.collect(),
         materials: model.materials,
+        half_width: None,
     };
     Ok((contents, model.notes))
 }
