@@ -559,6 +559,37 @@ fn a_mirrored_mesh_turns_its_facing_and_a_mirrored_shape_does_not() {
 // ---- Sums, order, limits -------------------------------------------------------------------------------------------
 
 /// Everything at once: three spheres (one glass, one mirror, one stretched), a box, a mesh, a checkered floor, two lights.
+/// A disk, a cylinder, a cone and a torus in the back.
+fn round(radius: f64) -> [(Shape, usize); 4] {
+    let (center, base) = (v(-2.5, 1.0, -1.0), v(0.5, 0.25, 2.5));
+    let axis = v(0.25, 0.5, 1.0);
+    let disk = Shape::Disk {
+        center,
+        normal: axis,
+        radius,
+    };
+    let cylinder = Shape::Cylinder {
+        base,
+        top: base + axis,
+        radius,
+        caps: true,
+    };
+    let base = v(2.5, 0.25, 2.5);
+    let cone = Shape::Cone {
+        base,
+        apex: base + axis,
+        radius,
+        cap: false,
+    };
+    let torus = Shape::Torus {
+        center: v(-2.0, 0.5, 2.0),
+        axis,
+        major: radius,
+        minor: radius / 4.0,
+    };
+    [(disk, 0), (cylinder, 1), (cone, 2), (torus, 3)]
+}
+
 fn busy() -> Scene {
     let mut scene = Scene::default();
     (scene.image.width, scene.image.height) = (45, 37);
@@ -601,6 +632,11 @@ fn busy() -> Scene {
     let (min, max) = (v(0.3, 0.0, 0.9), v(0.9, 0.5, 1.5));
     let cube = add(&mut scene, Shape::Box { min, max }, &[red]);
     scene.objects[cube].world_from_object = DAffine3::from_rotation_y(0.4);
+    for (shape, m) in round(0.5) {
+        let turned = add(&mut scene, shape, &[[red, glass, silver, white][m]]);
+        scene.objects[turned].world_from_object =
+            DAffine3::from_scale(v(1.0, 1.0, -1.25)) * DAffine3::from_rotation_x(0.7);
+    }
     let egg = add(&mut scene, sphere(DVec3::ZERO, 0.4), &[white]);
     scene.objects[egg].world_from_object = DAffine3::from_scale_rotation_translation(
         v(1.0, 1.7, 0.6),

@@ -288,7 +288,7 @@ const TESSELLATION: KeyInfo = key(
     "tessellation",
     Kind::Integer(1, 4096),
     "",
-    "Slices of a full turn (at least 3), or cells a side of a flat shape",
+    "Slices of a full turn (at least 3) of a round shape, or cells a side of a flat one",
 );
 
 /// `smooth`, for meshes.
@@ -343,12 +343,51 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
         ],
     ),
     (
+        "disk",
+        &[
+            key("center", Kind::Vector, "[0, 0, 0]", "Centre"),
+            key("normal", Kind::Vector, "[0, 1, 0]", "Its front side"),
+            key("radius", Kind::Number(Range::Above(0.0)), "1", "Radius"),
+            TESSELLATION,
+        ],
+    ),
+    (
         "box",
         &[
             key("min", Kind::Vector, "", "Lowest corner, with max"),
             key("max", Kind::Vector, "", "Highest corner"),
             key("center", Kind::Vector, "[0, 0, 0]", "Centre, instead of min and max"),
             key("size", Kind::BoxSize, "1", "Side lengths about the centre: a number or [x, y, z]"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "cylinder",
+        &[
+            key("base", Kind::Vector, "[0, 0, 0]", "Middle of one end"),
+            key("top", Kind::Vector, "[0, 1, 0]", "Middle of the other end"),
+            key("radius", Kind::Number(Range::Above(0.0)), "1", "Radius"),
+            key("caps", Kind::Bool, "true", "Both ends are closed; false: a tube, its front outside"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "cone",
+        &[
+            key("base", Kind::Vector, "[0, 0, 0]", "Middle of the round end"),
+            key("apex", Kind::Vector, "[0, 1, 0]", "The tip"),
+            key("radius", Kind::Number(Range::Above(0.0)), "1", "Radius of the round end"),
+            key("cap", Kind::Bool, "true", "The round end is closed; false: a funnel, its front outside"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "torus",
+        &[
+            key("center", Kind::Vector, "[0, 0, 0]", "Centre"),
+            key("axis", Kind::Vector, "[0, 1, 0]", "Axis of the ring"),
+            key("major_radius", Kind::Number(Range::Above(0.0)), "1", "From the centre to the middle of the tube"),
+            key("minor_radius", Kind::Number(Range::Above(0.0)), "0.25", "Radius of the tube, below major_radius"),
             TESSELLATION,
         ],
     ),
@@ -362,9 +401,6 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
         ],
     ),
 ];
-
-/// Shapes of DESIGN that this version does not have.
-pub(crate) const FUTURE_SHAPES: &[&str] = &["disk", "cylinder", "cone", "torus"];
 
 /// The steps of a transform.
 #[rustfmt::skip] // a table

@@ -217,3 +217,171 @@ fn cap(mesh: &mut Mesh, center: DVec3, frame: &Frame, radius: f64, level: u32, u
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::Shape;
+    use super::super::tessellate::{tessellate, triangle_count};
+    use super::*;
+    use std::collections::HashMap;
+
+    const BASE: DVec3 = DVec3::new(1.0, 2.0, 3.0);
+    const TOP: DVec3 = DVec3::new(-0.5, 4.0, 3.5);
+    const R: f64 = 1.5;
+    const MINOR: f64 = 0.4;
+
+    fn shapes() -> Vec<Shape> {
+        let (base, radius, top) = (BASE, R, TOP);
+        let (caps, cap, apex) = (true, true, TOP);
+        vec![
+            Shape::Cylinder {
+                base,
+                top,
+                radius,
+                caps,
+            },
+            Shape::Cone {
+                base,
+                apex,
+                radius,
+                cap,
+            },
+            Shape::Torus {
+                center: base,
+                axis: top - base,
+                major: radius,
+                minor: MINOR,
+            },
+            Shape::Disk {
+                center: base,
+                normal: top - base,
+                radius,
+            },
+        ]
+    }
+
+    /// Signed distance from the true surface, negative inside; for the disk, how far outside its rim.
+    fn distance(shape: &Shape, p: DVec3) -> f64 {
+        let axis = (TOP - BASE).normalize();
+        let height = (p - BASE).dot(axis);
+        let across = (p - BASE - height * axis).length();
+        let length = (TOP - BASE).length();
+        match shape {
+            Shape::Cylinder { .. } => (across - R).max(-height).max(height - length),
+            Shape::Cone { .. } => {
+                let slope = DVec2::new(length, R).normalize();
+                DVec2::new(across, height - length).dot(slope).max(-height)
+            }
+            Shape::Torus { .. } => DVec2::new(across - R, height).length() - MINOR,
+            _ => (across - R).max(height.abs()),
+        }
+    }
+
+    /// Every edge is used once in each direction; vertices are told apart by their bits alone.
+    fn is_closed(mesh: &Mesh) -> bool {
+        let key = |i: u32| {
+            (mesh.positions[i as usize] + DVec3::ZERO)
+                .to_array()
+                .map(f64::to_bits)
+        };
+        let mut edges = HashMap::new();
+        for &[a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((key(from), key(to))).or_insert(0) += 1;
+                *edges.entry((key(to), key(from))).or_insert(0) -= 1;
+            }
+        }
+        edges.values().all(|n| *n == 0)
+    }
+
+    #[test]
+    fn meshes_are_closed_outward_and_as_many_triangles_as_promised() {
+        for level in [3, 4, 7, 64] {
+            for shape in shapes() {
+                let mesh = tessellate(&shape, level, 1);
+                assert_eq!(
+                    mesh.triangles.len() as u64,
+                    triangle_count(&shape, level, 1)
+                );
+                assert_eq!(mesh.positions.len(), mesh.normals.len());
+                assert_eq!(mesh.positions.len(), mesh.texcoords.len());
+                let open = matches!(shape, Shape::Disk { .. });
+                assert!(is_closed(&mesh) != open, "{shape:?}");
+                for t in &mesh.triangles {
+                    let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+                    let face = (b - a).cross(c - a);
+                    let n: DVec3 = t.iter().map(|i| mesh.normals[*i as usize]).sum();
+                    assert!(face.dot(n) > 0.0, "{shape:?} {t:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn vertices_lie_on_the_shape_with_its_normals() {
+        for shape in shapes() {
+            let mesh = tessellate(&shape, 24, 1);
+            for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+                assert!((n.length() - 1.0).abs() < 1e-15);
+                if matches!(shape, Shape::Disk { .. }) {
+                    assert!(distance(&shape, *p) < 1e-14);
+                    continue;
+                }
+                assert!(distance(&shape, *p).abs() < 1e-14, "{shape:?}");
+                // The distance grows by the step along the normal: it is the gradient. (Not beyond a rim, where two meet.)
+                let step = 1e-6;
+                let grown = distance(&shape, *p + step * *n) / step;
+                assert!((grown - 1.0).abs() < 1e-5 || *p == TOP, "{shape:?} {grown}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_chord_error_is_as_documented_and_falls_with_the_square() {
+        for shape in shapes() {
+            let mut last = f64::INFINITY;
+            for level in [8u32, 16, 32, 64] {
+                let mesh = tessellate(&shape, level, 1);
+                let a = std::f64::consts::TAU / f64::from(level);
+                let b = 2.0 * a;
+                let bound = match shape {
+                    Shape::Torus { .. } => {
+                        ((R + MINOR) * a * a + 2.0 * MINOR * a * b + MINOR * b * b) / 8.0
+                    }
+                    _ => R * (1.0 - (a / 2.0).cos()),
+                };
+                let mut worst = 0.0f64;
+                for t in &mesh.triangles {
+                    let corners = t.map(|i| mesh.positions[i as usize]);
+                    for i in 0..=6 {
+                        for j in 0..=6 - i {
+                            let (u, v) = (f64::from(i) / 6.0, f64::from(j) / 6.0);
+                            let [p, q, r] = corners;
+                            let point = (1.0 - u - v) * p + u * q + v * r;
+                            worst = worst.max(distance(&shape, point).abs());
+                        }
+                    }
+                }
+                if matches!(shape, Shape::Disk { .. }) {
+                    // A disk's mesh lies in it; what it lacks is the height of the segments at the rim.
+                    assert!(worst < 1e-14);
+                    let [c, ..] = mesh.positions[..] else {
+                        panic!("no vertex")
+                    };
+                    let rim = &mesh.positions[mesh.positions.len() - level as usize..];
+                    let middle = (rim[0] + rim[1]) / 2.0;
+                    worst = R - (middle - c).length();
+                }
+                assert!(
+                    worst <= bound * (1.0 + 1e-12),
+                    "{shape:?} {level}: {worst} {bound}"
+                );
+                assert!(
+                    worst > 0.2 * bound && worst < last / 3.0,
+                    "{shape:?} {level}: {worst}"
+                );
+                last = worst;
+            }
+        }
+    }
+}

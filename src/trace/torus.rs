@@ -227,6 +227,9 @@ fn monotone_root(f: &Quartic, mut low: f64, mut high: f64, negative: bool) -> Tw
     let mut step = width;
     for _ in 0..MAX_STEPS {
         let (value, slope) = horner_slope(f, s);
+        if value.value() == 0.0 {
+            return Twofold::from(s);
+        }
         if (value.value() <= 0.0) == negative {
             low = s;
         } else {
@@ -238,18 +241,24 @@ fn monotone_root(f: &Quartic, mut low: f64, mut high: f64, negative: bool) -> Tw
         if next >= low && next <= high && newton.abs() <= 0.5 * step.abs() {
             step = newton;
             if next == s {
-                // The last place is reached: what is left goes to the low part.
-                return Twofold::from(s) - Twofold::from(newton);
+                break;
             }
             s = next;
         } else {
             step = 0.5 * (high - low);
             let middle = low + step;
             if middle <= low || middle >= high {
-                return Twofold::from(s);
+                break;
             }
             s = middle;
         }
     }
-    Twofold::from(s)
+    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
+    let (value, slope) = horner_slope(f, s);
+    let rest = value.value() / slope;
+    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
+        Twofold::from(s) - Twofold::from(rest)
+    } else {
+        Twofold::from(s)
+    }
 }

@@ -297,17 +297,12 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"sphare\"\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `box` and `checkered floor`, found \"sphare\"",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found \"sphare\"",
         "did you mean `sphere`?",
     ),
     (
-        "[object.a]\nshape = \"torus\"\n",
-        "2:9 shape = \"torus\" is not supported: this version has `sphere`, `plane`, `quad`, `box` and `checkered floor`",
-        "",
-    ),
-    (
         "[object.a]\nshape = 3\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `box` and `checkered floor`, found 3",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found 3",
         "",
     ),
     (
@@ -333,6 +328,46 @@ const FILES: &[(&str, &str, &str)] = &[
     (
         "[object.a]\nshape = \"sphere\"\ntessellation = 2\n",
         "3:16 tessellation: expected a whole number from 3 to 4096, found 2",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"cone\"\ntessellation = 2\n",
+        "3:16 tessellation: expected a whole number from 3 to 4096, found 2",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"cilinder\"\n",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found \"cilinder\"",
+        "did you mean `cylinder`?",
+    ),
+    (
+        "[object.a]\nshape = \"cylinder\"\nbase = [0, 2, 0]\ntop = [0, 2, 0]\n",
+        "4:7 top: expected `base` and `top` to be different points",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"cone\"\nbase = [0, 1, 0]\n",
+        "3:8 base: expected `base` and `apex` to be different points",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"cone\"\ncaps = false\n",
+        "3:1 object.a has no key `caps`",
+        "did you mean `cap`?",
+    ),
+    (
+        "[object.a]\nshape = \"torus\"\nmajor_radius = 0.2\n",
+        "3:16 major_radius: expected minor_radius below major_radius, found 0.25 and 0.2",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"torus\"\naxis = [0, 0, 0]\n",
+        "3:8 axis: expected a direction, found the zero vector",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"disk\"\nradius = -1\n",
+        "3:10 radius: expected a number above 0, found -1",
         "",
     ),
     (

@@ -112,7 +112,9 @@ fn the_schema_refuses_what_the_reader_refuses() {
         "[light.a]\ndiffuse = 1\n",
         "[light.a]\nposition = [0, 0, 1]\ndirection = [0, 0, 1]\n",
         "[object.b]\nshape = \"sphere\"\nsize = 3\n",
-        "[object.b]\nshape = \"torus\"\n",
+        "[object.b]\nshape = \"teapot\"\n",
+        "[object.b]\nshape = \"torus\"\nradius = 1\n",
+        "[object.b]\nshape = \"cylinder\"\ncaps = 1\n",
         "[object.b]\nmaterial = \"a\"\n",
         "[object.b]\nshape = \"sphere\"\ntransform = [{ scale = 1, translate = [0, 0, 0] }]\n",
     ] {
@@ -128,6 +130,10 @@ fn the_schema_refuses_what_the_reader_refuses() {
         "[light.a]\ndirection = [0, 0, 1]\nspace = \"eye\"\n",
         "[material.a]\nreflection = \"K_S\"\nback = { color = 1 }\n",
         "[object.b]\npositions = [[0,0,0], [1,0,0], [0,1,0]]\nindices = [[0,1,2]]\nsmooth = true\n",
+        "[object.b]\nshape = \"disk\"\ncenter = [0, 1, 0]\nnormal = [0, 0, 1]\nradius = 2\ntessellation = 9\n",
+        "[object.b]\nshape = \"cylinder\"\nbase = [0, 1, 0]\ntop = [0, 2, 1]\nradius = 2\ncaps = false\n",
+        "[object.b]\nshape = \"cone\"\nbase = [0, 1, 0]\napex = [0, 2, 1]\nradius = 2\ncap = false\n",
+        "[object.b]\nshape = \"torus\"\ncenter = [0, 1, 0]\naxis = [0, 0, 1]\nmajor_radius = 2\nminor_radius = 0.5\n",
         "[object.b]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [1, 1, 1]\ntransform = [{ rotate = { axis = [0, 1, 0], degrees = 3 } }, { scale = -1 }]\n",
     ] {
         assert_eq!(

@@ -249,6 +249,48 @@ fn shape(text: &str) -> Shape {
 }
 
 #[test]
+fn round_shapes_have_their_defaults_and_their_keys() {
+    let (o, y) = (DVec3::ZERO, DVec3::Y);
+    let disk = |center, normal, radius| Shape::Disk {
+        center,
+        normal,
+        radius,
+    };
+    let point = DVec3::new(1.0, -2.0, 3.0);
+    assert_eq!(shape("shape = \"disk\"\n"), disk(o, y, 1.0));
+    let text = "shape = \"disk\"\ncenter = [1, -2, 3]\nnormal = [0, 0, 5]\nradius = 2\n";
+    assert_eq!(shape(text), disk(point, DVec3::Z * 5.0, 2.0));
+    let tube = |base, top, radius, caps| Shape::Cylinder {
+        base,
+        top,
+        radius,
+        caps,
+    };
+    assert_eq!(shape("shape = \"cylinder\"\n"), tube(o, y, 1.0, true));
+    let text =
+        "shape = \"cylinder\"\nbase = [1, -2, 3]\ntop = [0, 0, 0]\nradius = 2\ncaps = false\n";
+    assert_eq!(shape(text), tube(point, o, 2.0, false));
+    let cone = |base, apex, radius, cap| Shape::Cone {
+        base,
+        apex,
+        radius,
+        cap,
+    };
+    assert_eq!(shape("shape = \"cone\"\n"), cone(o, y, 1.0, true));
+    let text = "shape = \"cone\"\nbase = [1, -2, 3]\napex = [0, 0, 0]\nradius = 2\ncap = false\n";
+    assert_eq!(shape(text), cone(point, o, 2.0, false));
+    let ring = |center, axis, major, minor| Shape::Torus {
+        center,
+        axis,
+        major,
+        minor,
+    };
+    assert_eq!(shape("shape = \"torus\"\n"), ring(o, y, 1.0, 0.25));
+    let text = "shape = \"torus\"\ncenter = [1, -2, 3]\naxis = [0, 2, 0]\nmajor_radius = 3\nminor_radius = 1\n";
+    assert_eq!(shape(text), ring(point, DVec3::Y * 2.0, 3.0, 1.0));
+}
+
+#[test]
 fn flat_shapes_face_where_they_say() {
     let patch = |corner: [f64; 3], u: [f64; 3], v: [f64; 3], tiles| Shape::Patch {
         corner: corner.into(),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::Reader;
 use crate::error::{Error, Place};
 use crate::import::document::{Key, Node, Value};
-use crate::import::keys::{self, FUTURE_SHAPES, KeyInfo, MAX_MESH_TRIANGLES, SHAPES};
-use crate::import::reader::{Section, mismatch, table, unsupported};
+use crate::import::keys::{self, KeyInfo, MAX_MESH_TRIANGLES, SHAPES};
+use crate::import::reader::{Section, mismatch, table};
 use crate::import::{names, obj};
 use crate::scene::{Geometry, Material, Object};
 
@@ -96,11 +96,6 @@ impl<'a> Reader<'a> {
         };
         if let Some((_, own)) = SHAPES.iter().find(|s| s.0 == name) {
             return Ok(own);
-        }
-        if FUTURE_SHAPES.contains(&name.as_str()) {
-            let what = format!("shape = \"{name}\"");
-            let reason = format!("this version has {list}");
-            return Err(unsupported(self.document, node, &what, &reason));
         }
         let message = format!("shape: expected one of {list}, found {name:?}");
         let error = self.document.error(&node.span, message);

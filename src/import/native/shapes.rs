@@ -11,6 +11,9 @@ use crate::math::DVec3;
 use crate::scene::tessellate::{DEFAULT_LEVEL, triangle_count};
 use crate::scene::{Geometry, Shape};
 
+/// Shapes whose level counts slices of a full turn.
+const ROUND: &[&str] = &["sphere", "disk", "cylinder", "cone", "torus"];
+
 impl<'a> Reader<'a> {
     pub(super) fn shape(
         &mut self,
@@ -18,7 +21,7 @@ impl<'a> Reader<'a> {
         tessellation: Option<u32>,
     ) -> Result<Geometry, Error> {
         let name = section.text("shape")?.unwrap_or_default();
-        if let (Some(level), "sphere") = (tessellation, name)
+        if let (Some(level), true) = (tessellation, ROUND.contains(&name))
             && level < 3
         {
             let message = format!("expected a whole number from 3 to 4096, found {level}");
@@ -41,6 +44,10 @@ impl<'a> Reader<'a> {
             }
             "quad" => quad(section)?,
             "box" => cuboid(section)?,
+            "disk" => disk(section)?,
+            "cylinder" => cylinder(section)?,
+            "cone" => cone(section)?,
+            "torus" => torus(section)?,
             _ => floor(section)?,
         };
         self.count_triangles(section, &shape, tessellation)?;
@@ -119,6 +126,66 @@ fn checked_patch(
         edge_u,
         edge_v,
         tiles,
+    })
+}
+
+fn disk(section: &Section<'_>) -> Result<Shape, Error> {
+    Ok(Shape::Disk {
+        center: section.vector("center")?.unwrap_or_default(),
+        normal: section.direction("normal")?.unwrap_or(DVec3::Y),
+        radius: section.number("radius")?.unwrap_or(1.0),
+    })
+}
+
+fn cylinder(section: &Section<'_>) -> Result<Shape, Error> {
+    let [base, top] = ends(section, "base", "top")?;
+    Ok(Shape::Cylinder {
+        base,
+        top,
+        radius: section.number("radius")?.unwrap_or(1.0),
+        caps: section.bool("caps")?.unwrap_or(true),
+    })
+}
+
+fn cone(section: &Section<'_>) -> Result<Shape, Error> {
+    let [base, apex] = ends(section, "base", "apex")?;
+    Ok(Shape::Cone {
+        base,
+        apex,
+        radius: section.number("radius")?.unwrap_or(1.0),
+        cap: section.bool("cap")?.unwrap_or(true),
+    })
+}
+
+/// Two different points; the second is 1 above the origin where it is omitted.
+fn ends(section: &Section<'_>, from: &str, to: &str) -> Result<[DVec3; 2], Error> {
+    let base = section.vector(from)?.unwrap_or_default();
+    let top = section.vector(to)?.unwrap_or(DVec3::Y);
+    if base == top {
+        let key = if section.has(to) { to } else { from };
+        let message = format!("expected `{from}` and `{to}` to be different points");
+        return Err(section.error_at(key, message));
+    }
+    Ok([base, top])
+}
+
+fn torus(section: &Section<'_>) -> Result<Shape, Error> {
+    let major = section.number("major_radius")?.unwrap_or(1.0);
+    let minor = section.number("minor_radius")?.unwrap_or(0.25);
+    if minor >= major {
+        let key = ["minor_radius", "major_radius"]
+            .into_iter()
+            .find(|key| section.has(key))
+            .unwrap_or("minor_radius");
+        let message =
+            format!("expected minor_radius below major_radius, found {minor} and {major}");
+        return Err(section.error_at(key, message));
+    }
+    Ok(Shape::Torus {
+        center: section.vector("center")?.unwrap_or_default(),
+        axis: section.direction("axis")?.unwrap_or(DVec3::Y),
+        major,
+        minor,
     })
 }
 
