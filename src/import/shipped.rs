@@ -5,6 +5,8 @@
 pub struct Shipped {
     /// Its name on the command line: the file's stem.
     pub name: &'static str,
+    /// Its folder in `scenes/`; empty for the scenes at its top.
+    pub folder: &'static str,
     /// What it asks or shows: the first comment line.
     pub title: &'static str,
     /// The whole file, comments included.
@@ -15,7 +17,8 @@ macro_rules! scene {
     ($name:literal) => {{
         const TEXT: &str = include_str!(concat!("../../scenes/", $name, ".toml"));
         Shipped {
-            name: $name,
+            name: split($name).1,
+            folder: split($name).0,
             title: title(TEXT),
             text: TEXT,
         }
@@ -51,6 +54,20 @@ pub(crate) fn file(name: &str) -> Option<&'static str> {
     found.map(|(_, text)| *text)
 }
 
+/// Folder and stem of a path without its extension.
+const fn split(path: &'static str) -> (&'static str, &'static str) {
+    let bytes = path.as_bytes();
+    let mut slash = bytes.len();
+    while slash > 0 {
+        slash -= 1;
+        if bytes[slash] == b'/' {
+            let (folder, stem) = path.split_at(slash);
+            return (folder, stem.split_at(1).1);
+        }
+    }
+    ("", path)
+}
+
 /// The first line, without its `#`.
 const fn title(text: &'static str) -> &'static str {
     let bytes = text.as_bytes();
@@ -65,4 +82,16 @@ const fn title(text: &'static str) -> &'static str {
     let (line, _) = text.split_at(end);
     let (_, line) = line.split_at(start);
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::split;
+
+    #[test]
+    fn names_are_stems_and_folders_are_kept() {
+        assert_eq!(split("whitted"), ("", "whitted"));
+        assert_eq!(split("lecture/01-point"), ("lecture", "01-point"));
+        assert_eq!(split("a/b/c"), ("a/b", "c"));
+    }
 }
