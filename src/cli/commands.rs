@@ -56,14 +56,14 @@ pub(crate) fn scenes(args: &ScenesArgs) -> Result<(), Error> {
             .map(|s| json!({"name": s.name, "folder": s.folder, "title": s.title}));
         return print_json(&serde_json::Value::Array(list.collect()));
     }
-    let mut text = scene_list(shipped);
+    let mut text = scene_list(shipped, diagnostic::width(std::io::stdout()));
     text += "\nrastray compare NAME   both pictures and every difference\n";
     text += "rastray scenes NAME    print the scene, to start one's own from\n";
     print(&text)
 }
 
-/// Names and titles in columns, a heading above the scenes of each folder.
-fn scene_list(shipped: &[Shipped]) -> String {
+/// Names and titles in columns of a terminal's `columns`, a heading above the scenes of each folder.
+fn scene_list(shipped: &[Shipped], columns: Option<usize>) -> String {
     let width = shipped.iter().map(|s| s.name.len()).max().unwrap_or(0);
     let mut folders: Vec<&str> = Vec::new();
     for scene in shipped {
@@ -78,7 +78,10 @@ fn scene_list(shipped: &[Shipped]) -> String {
             text += &format!("{}{folder}\n", if text.is_empty() { "" } else { "\n" });
         }
         for scene in shipped.iter().filter(|s| s.folder == folder) {
-            text += &format!("{indent}{:width$}  {}\n", scene.name, scene.title);
+            let column = indent.len() + width + 2;
+            let title = diagnostic::wrap(scene.title, columns, column);
+            let title = title.replace('\n', &format!("\n{:column$}", ""));
+            text += &format!("{indent}{:width$}  {title}\n", scene.name);
         }
     }
     text
@@ -167,14 +170,18 @@ mod tests {
             title,
             text: "",
         };
-        let list = scene_list(&[
+        let scenes = [
             scene("", "vase", "A vase."),
             scene("lecture", "01-point", "A light."),
             scene("", "a", "An a."),
-        ]);
+        ];
         assert_eq!(
-            list,
+            scene_list(&scenes, None),
             "vase      A vase.\na         An a.\n\nlecture\n  01-point  A light.\n"
+        );
+        assert_eq!(
+            scene_list(&scenes[1..2], Some(18)),
+            "lecture\n  01-point  A\n            light.\n"
         );
     }
 }

@@ -76,8 +76,8 @@ const RENDER_EXAMPLES: &str = "Examples:
   rastray render highlight --shading phong --size 320x240 -o highlight.png
   rastray render whitted --mode trace --layers --size 160x120 -o layers.exr
   rastray render whitted --turntable 36 -o turn.gif --mode trace --size 320x240
-  rastray render highlight --vary material.red.shininess=1..128:24 -o shininess.gif
-  rastray render lights --vary light.key.position=[-4,4,3]..[4,4,3]:12   lights-0001.png to lights-0012.png
+  rastray render highlight --vary material.plastic.shininess=1..128:24 -o shininess.gif
+  rastray render lights --vary 'light.candle.position=[-2,1,2]..[2,1,2]:12'   lights-0001.png to -0012
   rastray render mine.toml --watch --open     shown once, drawn again whenever the file is saved";
 
 const COMPARE_EXAMPLES: &str = "Examples:
