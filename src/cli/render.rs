@@ -112,10 +112,7 @@ fn layers_need_exr(args: &RenderArgs, format: Format) -> Result<(), Error> {
 
 /// One picture into one file.
 fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
-    let progress = Progress::new(verbosity, 1);
-    progress.step(0, "rendering");
     let shot = shoot(args, &[], verbosity)?;
-    drop(progress);
     let name = || PathBuf::from(format!("{}.png", shot.imported.scene.name));
     let path = args.output.clone().unwrap_or_else(name);
     let writing = Instant::now();
@@ -159,10 +156,14 @@ pub(super) fn shoot(
         refraction: !args.quality.no_refraction,
         quality,
     };
+    // After the notes, which must not meet a bar. A series has a bar of its own, and asks for quiet.
+    let progress = Progress::new(verbosity, 1);
+    progress.step(0, "rendering");
     let done = match args.quality.precision {
         PrecisionArg::F32 => draw::<f32>(&imported.scene, &job)?,
         PrecisionArg::F64 => draw::<f64>(&imported.scene, &job)?,
     };
+    drop(progress);
     Ok(Shot {
         imported,
         import_seconds,
