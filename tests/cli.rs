@@ -47,6 +47,17 @@ fn error(folder: &Path, args: &[&str]) -> String {
     message
 }
 
+/// The program itself, and its commands.
+const COMMANDS: [&str; 7] = [
+    "",
+    "render",
+    "compare",
+    "inspect",
+    "scenes",
+    "schema",
+    "completions",
+];
+
 #[test]
 fn every_example_of_the_help_runs() {
     let folder = folder();
@@ -56,7 +67,7 @@ fn every_example_of_the_help_runs() {
     )
     .expect("writable");
     let mut ran = 0;
-    for command in ["", "render", "compare", "inspect", "scenes", "schema"] {
+    for command in COMMANDS {
         let mut args: Vec<&str> = command.split_whitespace().collect();
         args.push("--help");
         let help = ok(folder.path(), &args);
@@ -67,10 +78,14 @@ fn every_example_of_the_help_runs() {
             // Comments follow two spaces; a redirection belongs to the shell.
             let line = line.split("   ").next().unwrap_or(line);
             let line = line.split(" > ").next().unwrap_or(line);
-            let mut args: Vec<&str> = line.split_whitespace().collect();
+            // Quotes too: brackets mean something to some shells.
+            let words = line.split_whitespace().map(|word| word.trim_matches('\''));
+            let mut args: Vec<&str> = words.collect();
             if args.is_empty() || args[0].starts_with(['<', '[']) {
                 continue;
             }
+            // A watch would not end, and nothing should be shown here: both have tests of their own.
+            args.retain(|arg| !matches!(*arg, "--watch" | "--open"));
             // Small pictures: what is tested is that the line works.
             if matches!(args[0], "render" | "compare") && !args.contains(&"--size") {
                 args.extend(["--size", "64x48"]);
@@ -79,13 +94,13 @@ fn every_example_of_the_help_runs() {
             ran += 1;
         }
     }
-    assert!(ran >= 14, "only {ran} examples found");
+    assert!(ran >= 20, "only {ran} examples found");
 }
 
 #[test]
 fn short_help_fits_one_screen() {
     let folder = folder();
-    for command in ["render", "compare", "inspect", "scenes", "schema"] {
+    for command in &COMMANDS[1..] {
         let lines = ok(folder.path(), &[command, "-h"]).lines().count();
         assert!(lines <= 40, "{command} -h has {lines} lines");
     }
@@ -211,6 +226,71 @@ fn bad_flags_are_named() {
         (&["render", "whitted", "--set", "trace.dpeth=1"], "depth"),
         (&["render", "whitted", "--set", "nonsense"], "KEY=VALUE"),
         (&["scenes", "wihtted"], "whitted"),
+        (&["render", "whitted", "-o", "a.gif"], "--turntable"),
+        (&["render", "whitted", "--turntable", "0"], "1 to 10000"),
+        (&["render", "whitted", "--turntable", "10001"], "1 to 10000"),
+        (
+            &["render", "whitted", "--turntable", "2", "-o", "-"],
+            "one picture",
+        ),
+        (
+            &[
+                "render",
+                "whitted",
+                "--turntable",
+                "2",
+                "-o",
+                "a.gif",
+                "--fps",
+                "51",
+            ],
+            "--fps",
+        ),
+        (
+            &["render", "whitted", "--turntable", "9999", "-o", "a.gif"],
+            "--size",
+        ),
+        (
+            &[
+                "render",
+                "whitted",
+                "--turntable",
+                "2",
+                "--layers",
+                "-o",
+                "a.gif",
+            ],
+            ".exr",
+        ),
+        (
+            &["render", "whitted", "--vary", "trace.depth=0..3"],
+            "KEY=A..B:N",
+        ),
+        (
+            &["render", "whitted", "--vary", "trace.depth=0-3:2"],
+            "KEY=A..B:N",
+        ),
+        (
+            &["render", "whitted", "--vary", "trace.depth=0..3:0"],
+            "1 to 10000",
+        ),
+        (
+            &["render", "whitted", "--vary", "trace.dpeth=0..3:2"],
+            "depth",
+        ),
+        (
+            &[
+                "render",
+                "whitted",
+                "--vary",
+                "material.mirror.shininess=1..-5:3",
+            ],
+            "--vary material.mirror.shininess=-5.0",
+        ),
+        (&["render", "whitted", "--open", "-o", "-"], "--open"),
+        (&["render", "whitted", "--watch"], "rastray scenes whitted"),
+        (&["compare", "whitted", "--watch"], "rastray scenes whitted"),
+        (&["completions", "bsh"], "bash"),
     ] {
         let message = error(folder.path(), args);
         assert!(
@@ -354,4 +434,226 @@ fn what_exceeds_memory_or_precision_is_refused() {
         folder.path(),
         &["render", "huge.toml", "--precision", "f64"],
     );
+}
+
+/// Names in a folder, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("readable").flatten();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_turntable_writes_numbered_files_and_begins_with_the_plain_picture() {
+    let folder = folder();
+    let size = ["--size", "40x30"];
+    for (scene, output) in [("whitted", "turn.png"), ("highlight", "turn.exr")] {
+        let args = ["render", scene, "--turntable", "3", "-o", output];
+        ok(folder.path(), &[&args[..], &size].concat());
+        let plain = format!("plain-{output}");
+        ok(
+            folder.path(),
+            &[&["render", scene, "-o", &plain][..], &size].concat(),
+        );
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
+        let frame = |i: u32| read(&output.replace('.', &format!("-{i:04}.")));
+        assert!(frame(1) == read(&plain), "{scene}: frame 1");
+        assert!(frame(1) != frame(2) && frame(2) != frame(3) && frame(3) != frame(1));
+    }
+    assert_eq!(names(folder.path()).len(), 8);
+}
+
+#[test]
+fn varied_frames_are_what_set_gives() {
+    let folder = folder();
+    let common = ["render", "whitted", "--mode", "trace", "--size", "40x30"];
+    let vary = ["--vary", "trace.depth=0..4:3"];
+    ok(folder.path(), &[&common[..], &vary].concat());
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
+    for (i, depth) in [0, 2, 4].into_iter().enumerate() {
+        let set = format!("trace.depth={depth}");
+        let args = ["--set", &set, "-o", "one.png"];
+        ok(folder.path(), &[&common[..], &args].concat());
+        let frame = format!("whitted-{:04}.png", i + 1);
+        assert!(read(&frame) == read("one.png"), "depth {depth}");
+    }
+    // The json report has one entry a frame, and is all that standard output holds.
+    let json = ok(folder.path(), &[&common[..], &vary, &["--json"]].concat());
+    let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(report["frames"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn a_gif_shows_the_frames_and_repeats() {
+    let folder = folder();
+    let output = folder.path().join("turn.gif");
+    let args = [
+        "render",
+        "whitted",
+        "--turntable",
+        "5",
+        "--fps",
+        "10",
+        "--size",
+        "40x30",
+        "-o",
+        "turn.gif",
+    ];
+    ok(folder.path(), &args);
+    assert_eq!(names(folder.path()), ["turn.gif"]);
+    let first = std::fs::read(&output).expect("written");
+    let mut decoder = gif::DecodeOptions::new();
+    decoder.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = decoder.read_info(&first[..]).expect("a GIF");
+    assert_eq!((decoder.width(), decoder.height()), (40, 30));
+    let mut frames = 0;
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        assert_eq!(frame.delay, 10);
+        frames += 1;
+    }
+    assert_eq!(frames, 5);
+    assert_eq!(decoder.repeat(), gif::Repeat::Infinite);
+    // Same bytes for any thread count.
+    ok(folder.path(), &[&args[..], &["-j", "1"]].concat());
+    assert!(first == std::fs::read(&output).expect("written"));
+}
+
+#[test]
+fn completions_know_the_commands() {
+    let folder = folder();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = ok(folder.path(), &["completions", shell]);
+        for word in ["compare", "turntable"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+}
+
+#[test]
+fn scenes_are_listed_in_columns() {
+    let folder = folder();
+    let list = ok(folder.path(), &["scenes"]);
+    let json = ok(folder.path(), &["scenes", "--json"]);
+    let scenes: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let scenes = scenes.as_array().expect("a list");
+    assert!(scenes.len() >= 5);
+    let mut columns = std::collections::BTreeSet::new();
+    for scene in scenes {
+        let (name, title) = (&scene["name"], &scene["title"]);
+        let (name, title) = (name.as_str().expect("text"), title.as_str().expect("text"));
+        assert!(!name.contains('/'), "{name} is no stem");
+        let line = list
+            .lines()
+            .find(|line| line.trim_start().starts_with(&format!("{name} ")))
+            .unwrap_or_else(|| panic!("{name} is not listed"));
+        let column = line.find(title).expect("its title");
+        let indent = line.len() - line.trim_start().len();
+        columns.insert(column - indent);
+    }
+    assert_eq!(columns.len(), 1, "titles stand in one column:\n{list}");
+}
+
+/// A run with a viewer of ours in the place of the system's.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn with_viewer(folder: &Path, script: Option<&str>, args: &[&str]) -> Output {
+    use std::os::unix::fs::PermissionsExt;
+    let bin = folder.join("bin");
+    std::fs::create_dir_all(&bin).expect("writable");
+    if let Some(script) = script {
+        let path = bin.join("xdg-open");
+        std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("writable");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("allowed");
+    }
+    Command::new(env!("CARGO_BIN_EXE_rastray"))
+        .current_dir(folder)
+        .args(args)
+        .env("NO_COLOR", "1")
+        .env("PATH", &bin)
+        .output()
+        .expect("the program starts")
+}
+
+#[cfg(all(unix, not(target_os = "macos")))]
+#[test]
+fn open_shows_the_result_and_never_fails_the_run() {
+    let folder = folder();
+    let args = ["render", "whitted", "--size", "16x12", "--open", "-o"];
+    let run = |script, output| with_viewer(folder.path(), script, &[&args[..], &[output]].concat());
+    // None is installed.
+    let without = run(None, "a.png");
+    assert_eq!(without.status.code(), Some(0), "{}", text(&without.stderr));
+    assert!(text(&without.stderr).contains("xdg-open is not installed"));
+    assert!(text(&without.stderr).contains("a.png"));
+    // One that finds nothing to show it with.
+    let failing = run(Some("exit 3"), "b.png");
+    assert_eq!(failing.status.code(), Some(0));
+    assert!(text(&failing.stderr).contains("no viewer"));
+    // One that works: it is given the whole path, even of a name that looks like a flag.
+    let working = run(Some("echo \"$1\" > shown"), "./-c.png");
+    assert_eq!(working.status.code(), Some(0), "{}", text(&working.stderr));
+    let shown = std::fs::read_to_string(folder.path().join("shown")).expect("it ran");
+    assert!(Path::new(shown.trim()).is_absolute() && shown.trim().ends_with("-c.png"));
+    for picture in ["a.png", "b.png", "-c.png"] {
+        assert!(folder.path().join(picture).is_file());
+    }
+}
+
+#[test]
+fn a_watch_draws_again_and_survives_a_broken_file() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    let folder = folder();
+    let scene = "[object.ball]\nshape = \"sphere\"\n";
+    let mine = folder.path().join("mine.toml");
+    std::fs::write(&mine, scene).expect("writable");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rastray"))
+        .current_dir(folder.path())
+        .args(["render", "mine.toml", "--size", "16x12", "--watch"])
+        .env("NO_COLOR", "1")
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let stderr = BufReader::new(child.stderr.take().expect("piped"));
+    let (sender, lines) = mpsc::channel();
+    std::thread::spawn(move || {
+        for line in stderr.lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    // The lines up to one that begins the wait for a change.
+    let until_watching = || {
+        let mut said = String::new();
+        while !said.contains("watching") {
+            match lines.recv_timeout(Duration::from_secs(60)) {
+                Ok(line) => said += &(line + "\n"),
+                Err(_) => break,
+            }
+        }
+        said
+    };
+    let picture = || std::fs::read(folder.path().join("mine.png")).expect("written");
+    let first = until_watching();
+    let plain = picture();
+    std::fs::write(&mine, "[camera\n").expect("writable");
+    let broken = until_watching();
+    let kept = picture();
+    let brighter = format!("{scene}[image]\nbackground = 0.5\n");
+    std::fs::write(&mine, brighter).expect("writable");
+    let mended = until_watching();
+    let changed = picture();
+    child.kill().expect("it still runs");
+    child.wait().expect("it ends");
+    assert!(first.contains("mine.png"), "{first}");
+    assert!(broken.contains("mine.toml:1:"), "{broken}");
+    assert!(kept == plain);
+    assert!(mended.contains("mine.png"), "{mended}");
+    assert!(changed != plain);
 }

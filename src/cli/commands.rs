@@ -1,20 +1,25 @@
-//! The small commands: inspect, scenes, schema.
+//! The small commands: inspect, scenes, schema, completions.
 
 use std::io::Write;
 
 use rastray::error::{Error, Note};
-use rastray::import;
+use rastray::import::{self, Shipped};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::{Feature, Mode, Requirements};
 use serde_json::json;
 
+use super::args::{CompletionsArgs, InspectArgs, SceneArgs, ScenesArgs};
+use super::diagnostic;
 use super::options::Verbosity;
-use super::{InspectArgs, SceneArgs, ScenesArgs, diagnostic};
 
-/// Imports the scene and says its notes.
-pub(crate) fn load(args: &SceneArgs, verbosity: Verbosity) -> Result<import::Imported, Error> {
+/// Imports the scene with further overrides, and says its notes.
+pub(super) fn load(
+    args: &SceneArgs,
+    more: &[String],
+    verbosity: Verbosity,
+) -> Result<import::Imported, Error> {
     let options = import::LoadOptions {
-        sets: args.sets.clone(),
+        sets: [&args.sets[..], more].concat(),
     };
     let imported = import::load(&args.scene, &options)?;
     if verbosity != Verbosity::Quiet {
@@ -48,17 +53,44 @@ pub(crate) fn scenes(args: &ScenesArgs) -> Result<(), Error> {
     if args.json {
         let list = shipped
             .iter()
-            .map(|s| json!({"name": s.name, "title": s.title}));
+            .map(|s| json!({"name": s.name, "folder": s.folder, "title": s.title}));
         return print_json(&serde_json::Value::Array(list.collect()));
     }
-    let width = shipped.iter().map(|s| s.name.len()).max().unwrap_or(0);
-    let mut text = String::new();
-    for scene in shipped {
-        text += &format!("{:width$}  {}\n", scene.name, scene.title);
-    }
+    let mut text = scene_list(shipped, diagnostic::width(std::io::stdout()));
     text += "\nrastray compare NAME   both pictures and every difference\n";
     text += "rastray scenes NAME    print the scene, to start one's own from\n";
     print(&text)
+}
+
+/// Names and titles in columns of a terminal's `columns`, a heading above the scenes of each folder.
+fn scene_list(shipped: &[Shipped], columns: Option<usize>) -> String {
+    let width = shipped.iter().map(|s| s.name.len()).max().unwrap_or(0);
+    let mut folders: Vec<&str> = Vec::new();
+    for scene in shipped {
+        if !folders.contains(&scene.folder) {
+            folders.push(scene.folder);
+        }
+    }
+    let mut text = String::new();
+    for folder in folders {
+        let indent = if folder.is_empty() { "" } else { "  " };
+        if !folder.is_empty() {
+            text += &format!("{}{folder}\n", if text.is_empty() { "" } else { "\n" });
+        }
+        for scene in shipped.iter().filter(|s| s.folder == folder) {
+            let column = indent.len() + width + 2;
+            let title = diagnostic::wrap(scene.title, columns, column);
+            let title = title.replace('\n', &format!("\n{:column$}", ""));
+            text += &format!("{indent}{:width$}  {title}\n", scene.name);
+        }
+    }
+    text
+}
+
+pub(super) fn completions(args: &CompletionsArgs, mut command: clap::Command) -> Result<(), Error> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut command, "rastray", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }
 
 pub(crate) fn schema() -> Result<(), Error> {
@@ -66,7 +98,7 @@ pub(crate) fn schema() -> Result<(), Error> {
 }
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
-    let imported = load(&args.scene, Verbosity::Quiet)?;
+    let imported = load(&args.scene, &[], Verbosity::Quiet)?;
     let scene = &imported.scene;
     let triangles = Assembly::<f32>::new(scene, None)?.triangles.len();
     let needs = Requirements::of(scene, Mode::Trace);
@@ -124,4 +156,32 @@ fn table(rows: &[(&str, &str)]) -> String {
     rows.iter()
         .map(|(name, why)| format!("  {name:width$}  {why}\n"))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_has_columns_and_folders() {
+        let scene = |folder, name, title| Shipped {
+            name,
+            folder,
+            title,
+            text: "",
+        };
+        let scenes = [
+            scene("", "vase", "A vase."),
+            scene("lecture", "01-point", "A light."),
+            scene("", "a", "An a."),
+        ];
+        assert_eq!(
+            scene_list(&scenes, None),
+            "vase      A vase.\na         An a.\n\nlecture\n  01-point  A light.\n"
+        );
+        assert_eq!(
+            scene_list(&scenes[1..2], Some(18)),
+            "lecture\n  01-point  A\n            light.\n"
+        );
+    }
 }

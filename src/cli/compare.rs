@@ -1,6 +1,7 @@
 //! `rastray compare`: both pictures and every difference, into a folder.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rastray::decompose::{self, CAUSES, Ladder, decompose};
@@ -20,12 +21,24 @@ use rastray_compare::{
 };
 use serde_json::{Value, json};
 
-use super::options::{Quality, Verbosity, apply};
-use super::{CompareArgs, PrecisionArg, commands};
+use super::args::{CompareArgs, PrecisionArg};
+use super::commands;
+use super::options::{Quality, Verbosity, apply, view};
+use super::progress::Progress;
+use super::watch::{Made, follow};
 
-pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
+/// Steps that progress hears of: those of the ladder, and the report.
+const STEPS: u64 = 11;
+
+pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
+    follow(args.follow, &args.scene.scene, verbosity, || {
+        once(args, verbosity)
+    })
+}
+
+fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
     let start = Instant::now();
-    let mut imported = commands::load(&args.scene, verbosity)?;
+    let mut imported = commands::load(&args.scene, &[], verbosity)?;
     let quality = apply(&args.quality, &mut imported)?;
     let path = args
         .output
@@ -33,48 +46,37 @@ pub(crate) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Er
         .unwrap_or_else(|| PathBuf::from(format!("{}-compare", imported.scene.name)));
     files::check_folder(&path, "--output")?;
     let options = ladder_options(args, &quality);
-    let step = |name: &str| verbosity.step(name);
+    let (progress, done) = (Progress::new(verbosity, STEPS), AtomicU64::new(0));
+    let step = |name: &str| progress.step(done.fetch_add(1, Ordering::Relaxed), name);
     let ladder = match args.quality.precision {
         PrecisionArg::F32 => decompose::<f32>(&imported.scene, &options, &step)?,
         PrecisionArg::F64 => decompose::<f64>(&imported.scene, &options, &step)?,
     };
     let render_seconds = start.elapsed().as_secs_f64();
-    let view = if args.quality.srgb {
-        View::Srgb
-    } else {
-        View::Linear
-    };
+    step("figures and page");
     let comparison = Comparison {
         imported: &imported,
         ladder: &ladder,
     };
-    let report = Report {
-        title: imported.scene.name.clone(),
-        command: command_line(),
-        form: comparison.form(),
-        view,
-        raster: to_f32(&ladder.rungs[0]),
-        trace: to_f32(&ladder.rungs[9]),
-        difference: signed(&ladder.total())?,
-        error: error(&ladder.total())?,
-        cause_maps: comparison.cause_maps()?,
-        terms: comparison.terms(),
-        buildup: comparison.buildup(),
-        summary: comparison.summary(start, render_seconds)?,
-        notes: imported.notes.clone(),
-        settings: settings(args, &imported.scene, &quality),
-    };
-    verbosity.step("figures and page");
-    // All is encoded before the first file is written, so that an error leaves no part of a folder.
-    let layers = comparison.layers(view)?;
-    report.write(&path)?;
+    let settings = settings(args, &imported.scene, &quality);
+    let view = view(&args.quality);
+    let report = comparison.report(view, settings, start, render_seconds)?;
+    let (layers, files) = rayon::join(|| comparison.layers(view), || report.files());
+    let (layers, files) = (layers?, files?);
+    files::create_folder(&path)?;
     files::write_bytes_atomic(&path.join("layers.exr"), &layers)?;
-    verbosity.say(path.join("index.html").display());
+    Report::write_files(&path, &files)?;
+    drop(progress);
+    let page = path.join("index.html");
+    verbosity.say(page.display());
     if args.json {
         let text = report.summary.to_json();
         commands::print(&text.map_err(|e| Error::limit(format!("summary.json: {e}")))?)?;
     }
-    Ok(())
+    Ok(Made {
+        inputs: imported.files,
+        result: page,
+    })
 }
 
 fn ladder_options(args: &CompareArgs, quality: &Quality) -> decompose::Options {
@@ -124,6 +126,32 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
+    /// Everything that the folder shows, except the layers.
+    fn report(
+        &self,
+        view: View,
+        settings: Vec<(String, String)>,
+        start: Instant,
+        render_seconds: f64,
+    ) -> Result<Report, Error> {
+        Ok(Report {
+            title: self.imported.scene.name.clone(),
+            command: command_line(),
+            form: self.form(),
+            view,
+            raster: to_f32(&self.ladder.rungs[0]),
+            trace: to_f32(&self.ladder.rungs[9]),
+            difference: signed(&self.ladder.total())?,
+            error: error(&self.ladder.total())?,
+            cause_maps: self.cause_maps()?,
+            terms: self.terms(),
+            buildup: self.buildup(),
+            summary: self.summary(start, render_seconds)?,
+            notes: self.imported.notes.clone(),
+            settings,
+        })
+    }
+
     /// One map a cause, in ladder order.
     fn cause_maps(&self) -> Result<Vec<Map>, Error> {
         (0..CAUSES.len())
@@ -312,4 +340,33 @@ fn seconds(ladder: &Ladder, start: Instant, render: f64) -> serde_json::Map<Stri
     all.insert("render".into(), json!(render));
     all.insert("total".into(), json!(start.elapsed().as_secs_f64()));
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rastray::import;
+
+    #[test]
+    fn the_number_of_steps_is_known() {
+        let mut scene = import::load("two-sided", &import::LoadOptions::default())
+            .expect("a shipped scene")
+            .scene;
+        (scene.image.width, scene.image.height) = (8, 6);
+        let options = decompose::Options {
+            level: Some(4),
+            isa: rastray::lanes::Isa::detect(),
+            model: rastray::scene::requirements::Model::Required,
+            shadows: true,
+            reflection: true,
+            refraction: true,
+        };
+        let heard = AtomicU64::new(0);
+        let step = |_: &str| {
+            heard.fetch_add(1, Ordering::Relaxed);
+        };
+        decompose::<f32>(&scene, &options, &step).expect("climbs");
+        // The report is the step after the ladder's.
+        assert_eq!(heard.into_inner() + 1, STEPS);
+    }
 }

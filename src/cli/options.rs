@@ -4,12 +4,13 @@ use rastray::error::Error;
 use rastray::gl::ShadeModel;
 use rastray::import::{Imported, MAX_PIXELS, MAX_SIDE};
 use rastray::lanes::Isa;
+use rastray::report::files::View;
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::Snap;
 use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::LEVELS;
 
-use super::{ModelArg, QualityArgs, ShadingArg};
+use super::args::{ModelArg, QualityArgs, ShadingArg};
 
 /// How much to say on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +127,11 @@ pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quali
         isa,
         model,
     })
+}
+
+/// How linear values are stored in viewable files.
+pub(super) fn view(args: &QualityArgs) -> View {
+    if args.srgb { View::Srgb } else { View::Linear }
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), Error> {

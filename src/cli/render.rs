@@ -5,17 +5,22 @@ use std::time::Instant;
 
 use rastray::error::Error;
 use rastray::frame::{Frame, Layers, Plane};
-use rastray::lanes::Real;
+use rastray::import::Imported;
+use rastray::lanes::{Isa, Real};
 use rastray::math::color::clamp_rgb;
-use rastray::report::files::{self, Format, View};
+use rastray::report::files::{self, Format};
 use rastray::report::layered::NamedLayer;
 use rastray::scene::Scene;
 use rastray::scene::assembly::Assembly;
 use rastray::{raster, trace};
 use serde_json::{Value, json};
 
-use super::options::{Quality, Verbosity, apply};
-use super::{ClampArg, GeometryArg, ModeArg, PrecisionArg, RenderArgs, commands, diagnostic};
+use super::args::{ClampArg, GeometryArg, ModeArg, PrecisionArg, RenderArgs};
+use super::options::{Quality, Verbosity, apply, view};
+use super::progress::Progress;
+use super::series::Series;
+use super::watch::{Made, follow};
+use super::{commands, diagnostic, series};
 
 /// What a render needs beyond the scene.
 struct Job {
@@ -40,84 +45,174 @@ struct Done {
     render_seconds: f64,
 }
 
-pub(crate) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
-    let output = args.output.clone();
+/// A render of a loaded scene.
+pub(super) struct Shot {
+    imported: Imported,
+    import_seconds: f64,
+    isa: Isa,
+    done: Done,
+}
+
+impl Shot {
+    /// The picture, linear.
+    pub(super) fn color(&self) -> &Plane<[f32; 3]> {
+        &self.done.color
+    }
+}
+
+pub(super) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
+    let several = Series::new(args)?;
     // A wrong output name is said before the work, not after it.
-    let format = match output.as_deref() {
-        None => Format::Png,
-        Some(path) if path == Path::new("-") => Format::Png,
-        Some(path) => Format::of_path(path)?,
-    };
-    if let Some(path) = &output {
+    check_output(args, several.is_some())?;
+    if let Some(path) = args
+        .output
+        .as_deref()
+        .filter(|path| *path != Path::new("-"))
+    {
         files::check_target(path, "--output")?;
     }
     if let Some(path) = &args.stats {
         files::check_target(path, "--stats")?;
     }
+    follow(
+        args.follow,
+        &args.scene.scene,
+        verbosity,
+        || match &several {
+            Some(frames) => series::render(args, frames, verbosity),
+            None => one(args, verbosity),
+        },
+    )
+}
+
+/// Refuses output names that do not go with the other flags.
+fn check_output(args: &RenderArgs, several: bool) -> Result<(), Error> {
+    let output = args.output.as_deref().unwrap_or(Path::new("a.png"));
+    if output == Path::new("-") {
+        let flag = match args.follow {
+            _ if several => "--output",
+            follow if follow.open => "--open",
+            follow if follow.watch => "--watch",
+            _ => return layers_need_exr(args, Format::Png),
+        };
+        let message = "standard output takes one picture, and once";
+        return Err(Error::parameter(flag, message).with_help("give it a file: -o NAME.png"));
+    }
+    if series::is_gif(output) {
+        if several {
+            return layers_need_exr(args, Format::Png);
+        }
+        let message = "a .gif holds several frames, and this is one picture";
+        let name = output.display().to_string();
+        return Err(Error::parameter(name, message)
+            .with_help("add --turntable N or --vary KEY=A..B:N, or write a .png"));
+    }
+    layers_need_exr(args, Format::of_path(output)?)
+}
+
+fn layers_need_exr(args: &RenderArgs, format: Format) -> Result<(), Error> {
     if args.layers && format != Format::Exr {
         return Err(
             Error::parameter("--layers", "only .exr files hold named layers")
                 .with_help("write to a name that ends in .exr, such as -o layers.exr"),
         );
     }
+    Ok(())
+}
+
+/// One picture into one file.
+fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
+    let shot = shoot(args, &[], verbosity)?;
+    let name = || PathBuf::from(format!("{}.png", shot.imported.scene.name));
+    let path = args.output.clone().unwrap_or_else(name);
+    let writing = Instant::now();
+    write(&path, &shot, args, verbosity)?;
+    if path != Path::new("-") {
+        verbosity.say(path.display());
+    }
+    tell(args, &stats(args, &shot, writing.elapsed().as_secs_f64()))?;
+    Ok(Made {
+        inputs: shot.imported.files,
+        result: path,
+    })
+}
+
+/// Loads the scene with further overrides and renders it.
+pub(super) fn shoot(
+    args: &RenderArgs,
+    sets: &[String],
+    verbosity: Verbosity,
+) -> Result<Shot, Error> {
     let start = Instant::now();
-    let mut imported = commands::load(&args.scene, verbosity)?;
+    let mut imported = commands::load(&args.scene, sets, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
     let quality = apply(&args.quality, &mut imported)?;
-    let clamp = args
-        .clamp
-        .map_or(!format.is_float(), |clamp| clamp == ClampArg::Gl);
+    let isa = quality.isa;
+    let float = args
+        .output
+        .as_deref()
+        .and_then(|path| Format::of_path(path).ok())
+        .is_some_and(Format::is_float);
     let job = Job {
         mode: args.mode,
         geometry: match args.geometry {
             GeometryArg::Exact => trace::Geometry::Exact,
             GeometryArg::Mesh => trace::Geometry::Mesh,
         },
-        clamp,
+        clamp: args.clamp.map_or(!float, |clamp| clamp == ClampArg::Gl),
         layers: args.layers,
         shadows: !args.quality.no_shadows,
         reflection: !args.quality.no_reflection,
         refraction: !args.quality.no_refraction,
         quality,
     };
-    verbosity.step("rendering");
+    // After the notes, which must not meet a bar. A series has a bar of its own, and asks for quiet.
+    let progress = Progress::new(verbosity, 1);
+    progress.step(0, "rendering");
     let done = match args.quality.precision {
         PrecisionArg::F32 => draw::<f32>(&imported.scene, &job)?,
         PrecisionArg::F64 => draw::<f64>(&imported.scene, &job)?,
     };
-    let view = if args.quality.srgb {
-        View::Srgb
-    } else {
-        View::Linear
-    };
-    let path = output.unwrap_or_else(|| PathBuf::from(format!("{}.png", imported.scene.name)));
-    let writing = Instant::now();
-    write(&path, &done, view, verbosity)?;
-    let stats = json!({
-        "scene": imported.scene.name,
-        "size": [imported.scene.image.width, imported.scene.image.height],
+    drop(progress);
+    Ok(Shot {
+        imported,
+        import_seconds,
+        isa,
+        done,
+    })
+}
+
+/// Times and counters of a render.
+pub(super) fn stats(args: &RenderArgs, shot: &Shot, write_seconds: f64) -> Value {
+    let (scene, done) = (&shot.imported.scene, &shot.done);
+    json!({
+        "scene": scene.name,
+        "size": [scene.image.width, scene.image.height],
         "mode": mode_name(args.mode),
         "precision": match args.quality.precision { PrecisionArg::F32 => "f32", PrecisionArg::F64 => "f64" },
-        "instruction_set": job.quality.isa.name(),
+        "instruction_set": shot.isa.name(),
         "threads": rayon::current_num_threads(),
         "triangles": done.triangles,
         "seconds": {
-            "import": import_seconds,
+            "import": shot.import_seconds,
             "assemble": done.assemble_seconds,
             "plan": done.plan_seconds,
             "render": done.render_seconds,
-            "write": writing.elapsed().as_secs_f64(),
+            "write": write_seconds,
         },
         "counters": done.counters,
-    });
+    })
+}
+
+/// Writes and prints times and counters where they were asked for.
+pub(super) fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
     if let Some(file) = &args.stats {
         files::write_bytes_atomic(file, format!("{stats:#}\n").as_bytes())?;
     }
     if args.json {
-        commands::print_json(&stats)
-    } else {
-        Ok(())
+        commands::print_json(stats)?;
     }
+    Ok(())
 }
 
 fn mode_name(mode: ModeArg) -> &'static str {
@@ -128,8 +223,15 @@ fn mode_name(mode: ModeArg) -> &'static str {
     }
 }
 
-fn write(path: &Path, done: &Done, view: View, verbosity: Verbosity) -> Result<(), Error> {
-    let layers: Vec<NamedLayer<'_>> = done
+/// Writes a picture in the format of the path, and says what the format loses.
+pub(super) fn write(
+    path: &Path,
+    shot: &Shot,
+    args: &RenderArgs,
+    verbosity: Verbosity,
+) -> Result<(), Error> {
+    let layers: Vec<NamedLayer<'_>> = shot
+        .done
         .layers
         .iter()
         .flat_map(|layers| layers.names.iter().zip(&layers.planes))
@@ -138,12 +240,9 @@ fn write(path: &Path, done: &Done, view: View, verbosity: Verbosity) -> Result<(
             plane,
         })
         .collect();
-    let notes = files::write_picture(path, &done.color, view, &layers)?;
+    let notes = files::write_picture(path, &shot.done.color, view(&args.quality), &layers)?;
     if verbosity != Verbosity::Quiet {
         notes.iter().for_each(diagnostic::note);
-    }
-    if path != Path::new("-") {
-        verbosity.say(path.display());
     }
     Ok(())
 }

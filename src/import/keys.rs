@@ -418,6 +418,27 @@ pub(crate) const ROTATE: &[KeyInfo] = &[
     key("degrees", Kind::Number(Range::Any), "", "Angle, counter-clockwise seen against the axis"),
 ];
 
+/// Whether the key of an override (`trace.depth`, `object.floor.tiles`) holds whole numbers.
+///
+/// ```
+/// assert!(rastray::import::keys::wants_whole("trace.depth"));
+/// assert!(!rastray::import::keys::wants_whole("material.red.shininess"));
+/// ```
+pub fn wants_whole(path: &str) -> bool {
+    let mut parts = path.split('.').map(str::trim);
+    let (section, key) = (parts.next().unwrap_or(""), parts.next_back().unwrap_or(""));
+    let whole = |k: &KeyInfo| {
+        k.name == key && matches!(k.kind, Kind::Integer(..) | Kind::Tiles | Kind::Snap)
+    };
+    let sections = SECTIONS
+        .iter()
+        .filter(|(name, _)| name.trim_start_matches('[').split(['.', ']']).next() == Some(section));
+    let shapes = SHAPES.iter().filter(|_| section == "object");
+    sections
+        .chain(shapes)
+        .any(|(_, keys)| keys.iter().any(whole))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,6 +9,8 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use crate::error::Error;
 
 use super::causes::{explanation, figures};
@@ -23,6 +25,18 @@ use super::sections::capital;
 /// What a signed map of the whole difference says below it.
 const DIFFERENCE_NOTE: &str = "trace − raster: orange where the traced picture is brighter, blue where it is darker; 1 = full intensity";
 
+/// A file's name, and what makes its bytes.
+type Job<'a> = (String, Encode<'a>);
+/// Makes a file's bytes.
+type Encode<'a> = Box<dyn FnOnce() -> Result<Vec<u8>, Error> + Send + 'a>;
+
+fn job<'a>(
+    name: impl Into<String>,
+    encode: impl FnOnce() -> Result<Vec<u8>, Error> + Send + 'a,
+) -> Job<'a> {
+    (name.into(), Box::new(encode))
+}
+
 /// A file of the folder.
 #[derive(Clone, Debug)]
 pub struct File {
@@ -33,43 +47,46 @@ pub struct File {
 }
 
 impl Report {
-    /// All files of the comparison except `layers.exr`.
+    /// All files of the comparison except `layers.exr`, encoded in parallel, in the order of the module's head.
     pub fn files(&self) -> Result<Vec<File>, Error> {
-        let mut files = Vec::new();
-        let mut add = |name: &str, bytes: Vec<u8>| {
-            files.push(File {
-                name: name.to_owned(),
-                bytes,
-            })
-        };
-        add("raster.png", png(&self.raster, self.view)?);
-        add("trace.png", png(&self.trace, self.view)?);
-        add(
-            "difference.png",
-            png_of_picture(&self.difference_figure()?)?,
-        );
-        add("side-by-side.png", png_of_picture(&self.side_by_side()?)?);
-        add("buildup.png", png_of_picture(&self.buildup_figure()?)?);
+        let mut jobs: Vec<Job<'_>> = vec![
+            job("raster.png", || png(&self.raster, self.view)),
+            job("trace.png", || png(&self.trace, self.view)),
+            job("difference.png", || {
+                png_of_picture(&self.difference_figure()?)
+            }),
+            job("side-by-side.png", || png_of_picture(&self.side_by_side()?)),
+            job("buildup.png", || png_of_picture(&self.buildup_figure()?)),
+        ];
         for (i, term) in self.terms.iter().enumerate() {
             let name = format!("terms/{:02}-{}.png", i + 1, file_name(&term.name));
-            add(&name, png(&term.plane, self.view)?);
+            jobs.push(job(name, || png(&term.plane, self.view)));
         }
-        for (i, cause) in self.summary.causes.iter().enumerate() {
-            if let Some(figure) = self.cause_figure(i)? {
-                let name = format!("causes/{:02}-{}.png", i + 1, file_name(&cause.name));
-                add(&name, png_of_picture(&figure)?);
-            }
+        let causes = self.summary.causes.iter().zip(&self.cause_maps);
+        for (i, (cause, _)) in causes.enumerate() {
+            let name = format!("causes/{:02}-{}.png", i + 1, file_name(&cause.name));
+            jobs.push(job(name, move || match self.cause_figure(i)? {
+                Some(figure) => png_of_picture(&figure),
+                None => Ok(Vec::new()),
+            }));
         }
-        let json = self.summary.to_json();
-        let json = json.map_err(|e| Error::limit(format!("cannot write summary.json: {e}")))?;
-        add("summary.json", json.into_bytes());
-        add("index.html", self.to_html()?.into_bytes());
-        Ok(files)
+        jobs.push(job("summary.json", || {
+            let json = self.summary.to_json().map(String::into_bytes);
+            json.map_err(|e| Error::limit(format!("cannot write summary.json: {e}")))
+        }));
+        jobs.push(job("index.html", || self.to_html().map(String::into_bytes)));
+        jobs.into_par_iter()
+            .map(|(name, encode)| encode().map(|bytes| File { name, bytes }))
+            .collect()
     }
 
     /// Writes all files into a folder, which is made where it is missing. Everything is encoded before the first write.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
-        let files = self.files()?;
+        Self::write_files(folder, &self.files()?)
+    }
+
+    /// Writes files that [`Report::files`] made into a folder, which is made where it is missing.
+    pub fn write_files(folder: &Path, files: &[File]) -> Result<(), Error> {
         for part in ["terms", "causes"] {
             create_folder(&folder.join(part))?;
         }

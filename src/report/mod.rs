@@ -7,8 +7,10 @@
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
 //! - [`folder`]: the files of a comparison, by name.
+//! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
+pub mod animation;
 pub mod causes;
 pub mod equation;
 pub mod figures;
@@ -19,6 +21,7 @@ pub mod layered;
 mod layout;
 pub mod numbers;
 pub mod page;
+pub mod palette;
 pub mod picture;
 mod sections;
 pub mod summary;

@@ -1,0 +1,301 @@
+//! What each command takes: clap structs, validated elsewhere.
+
+use std::path::PathBuf;
+
+use clap::{Args, ColorChoice, ValueEnum};
+
+/// Options that every command has.
+#[derive(Debug, Args)]
+pub(super) struct Global {
+    /// Worker threads (default: one a core)
+    #[arg(
+        short = 'j',
+        long,
+        global = true,
+        value_name = "N",
+        help_heading = "General"
+    )]
+    pub(super) threads: Option<usize>,
+    /// Say nothing but errors
+    #[arg(
+        short,
+        long,
+        global = true,
+        conflicts_with = "verbose",
+        help_heading = "General"
+    )]
+    pub(super) quiet: bool,
+    /// Say more: each step as it starts
+    #[arg(short, long, global = true, help_heading = "General")]
+    pub(super) verbose: bool,
+    /// Colours in messages
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_short_help = true,
+        help_heading = "General"
+    )]
+    pub(super) color: ColorChoice,
+}
+
+/// The scene and its overrides.
+#[derive(Debug, Args)]
+pub(super) struct SceneArgs {
+    /// A scene file (.toml, .scn, .obj), or the name of a shipped scene (see `rastray scenes`)
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: String,
+    /// Override a key of the scene file, such as material.red.shininess=64
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(super) sets: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ModeArg {
+    /// OpenGL's picture: local illumination
+    Raster,
+    /// Primary rays only, nothing blocked: the rasterizer's terms by rays
+    Cast,
+    /// Whitted's picture: shadows, reflection, refraction
+    Trace,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ShadingArg {
+    /// One colour a triangle, from its last vertex
+    Flat,
+    /// Lit at the vertices, interpolated
+    #[value(alias = "per-vertex")]
+    Gouraud,
+    /// Lit at every pixel
+    #[value(alias = "per-pixel")]
+    Phong,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum GeometryArg {
+    /// The true shapes
+    Exact,
+    /// The rasterizer's own triangles
+    Mesh,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrecisionArg {
+    /// 32-bit floats
+    F32,
+    /// 64-bit floats, the whole path
+    F64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ModelArg {
+    /// Only what the scene requires
+    Required,
+    /// Every feature, needed or not: the same bytes, slower
+    Full,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ClampArg {
+    /// GL's clamps, as its picture has them
+    Gl,
+    /// No clamp until the file's own
+    None,
+}
+
+/// How to render: what `render` and `compare` share.
+#[derive(Debug, Args)]
+pub(super) struct QualityArgs {
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH")]
+    pub(super) size: Option<String>,
+    /// Samples a pixel
+    #[arg(long, value_name = "N")]
+    pub(super) samples: Option<u32>,
+    /// Shading of the rasterizer: flat, gouraud (per-vertex), phong (per-pixel)
+    #[arg(long, value_enum, value_name = "SHADING", hide_possible_values = true)]
+    pub(super) shading: Option<ShadingArg>,
+    /// Generations of reflected and refracted rays
+    #[arg(long, value_name = "N")]
+    pub(super) depth: Option<u32>,
+    /// No shadow rays: every light is seen
+    #[arg(long)]
+    pub(super) no_shadows: bool,
+    /// No mirror rays
+    #[arg(long)]
+    pub(super) no_reflection: bool,
+    /// No transmitted rays
+    #[arg(long)]
+    pub(super) no_refraction: bool,
+    /// Tessellation of shapes: slices of a full turn, half as many stacks (default 64)
+    #[arg(
+        long,
+        value_name = "N",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) tessellation: Option<u32>,
+    /// Precision of the whole path
+    #[arg(
+        long,
+        value_enum,
+        default_value = "f32",
+        hide_short_help = true,
+        help_heading = "Expert",
+        value_name = "PRECISION"
+    )]
+    pub(super) precision: PrecisionArg,
+    /// Sub-pixel bits that vertices snap to before coverage: 8 or 12
+    #[arg(
+        long,
+        value_name = "BITS",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) snap: Option<String>,
+    /// Evaluate only what the scene requires, or everything: the same bytes
+    #[arg(
+        long,
+        value_enum,
+        default_value = "required",
+        value_name = "MODEL",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) model: ModelArg,
+    /// Instruction set: scalar, sse4.2, avx2, avx512, neon (default: the best there is): the same bytes
+    #[arg(
+        long,
+        value_name = "ISA",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) isa: Option<String>,
+    /// Encode displayed values as sRGB (default: linear values are stored as they are, as in GL)
+    #[arg(long, hide_short_help = true, help_heading = "Expert")]
+    pub(super) srgb: bool,
+}
+
+/// What happens around a run.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct FollowArgs {
+    /// Show the result with the system's viewer
+    #[arg(long)]
+    pub(super) open: bool,
+    /// Run again whenever an input file is saved, until Ctrl-C
+    #[arg(long)]
+    pub(super) watch: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Output: .png, .exr, .pfm, .hdr, .gif (several frames), - = PNG on stdout (default: SCENE.png)
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Renderer: raster, cast (primary rays only), trace
+    #[arg(
+        long,
+        value_enum,
+        default_value = "raster",
+        hide_possible_values = true
+    )]
+    pub(super) mode: ModeArg,
+    #[command(flatten)]
+    pub(super) quality: QualityArgs,
+    /// Keep every term of the equation as a layer of its own (.exr)
+    #[arg(long)]
+    pub(super) layers: bool,
+    /// N frames around the target, a full turn about the up axis: numbered files, or one .gif
+    #[arg(long, value_name = "N", conflicts_with = "vary")]
+    pub(super) turntable: Option<u32>,
+    /// N frames with KEY (as in --set) from A to B: numbered files, or one .gif
+    #[arg(long, value_name = "KEY=A..B:N")]
+    pub(super) vary: Option<String>,
+    /// Frames a second of a .gif
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 12,
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) fps: u32,
+    /// What the tracer traces: exact shapes, or the rasterizer's triangles
+    #[arg(
+        long,
+        value_enum,
+        default_value = "exact",
+        value_name = "GEOMETRY",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) geometry: GeometryArg,
+    /// GL's clamps (default: gl for PNG, none for float files)
+    #[arg(
+        long,
+        value_enum,
+        value_name = "CLAMP",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) clamp: Option<ClampArg>,
+    /// Write times and counters as JSON
+    #[arg(
+        long,
+        value_name = "FILE",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) follow: FollowArgs,
+    /// Print times and counters as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompareArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Output folder (default: SCENE-compare)
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) quality: QualityArgs,
+    #[command(flatten)]
+    pub(super) follow: FollowArgs,
+    /// Print summary.json
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct InspectArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ScenesArgs {
+    /// Print this scene's file
+    #[arg(value_name = "NAME")]
+    pub(super) name: Option<String>,
+    /// Print the list as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(super) shell: clap_complete::Shell,
+}
