@@ -54,7 +54,7 @@ fn every_number_arrives() {
         panic!("{:?}", camera.projection)
     };
     assert!(
-        (fovy_deg - 2.0 * 26.565051177077990).abs() < 1e-12,
+        (fovy_deg - 2.0 * 26.56505117707799).abs() < 1e-12,
         "{fovy_deg}"
     );
     assert_eq!(scene.image.background, [0.1, 0.2, 0.3]);
