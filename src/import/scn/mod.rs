@@ -246,7 +246,7 @@ impl<'h> Reader<'h> {
             "group" => Some(command.name("the name")?.text.to_owned()),
             _ => None,
         };
-        let material = self.material(file, command)?;
+        let material = self.stated_material(file, command)?;
         let (m, tokens) = command.numbers::<16>("the matrix")?;
         if m[12..] != [0.0, 0.0, 0.0, 1.0] {
             let message = "expected 0 0 0 1 as the last row of the matrix (no projection)";
@@ -282,7 +282,7 @@ impl<'h> Reader<'h> {
         };
         file.groups.push(Group {
             world_from_group,
-            material: Some(material),
+            material,
             name,
             begin: Some(command.lexer.place(&command.token)),
         });

@@ -152,7 +152,7 @@ impl Reader<'_> {
 
     /// A line is checked and takes part in the bounds, as in the course's viewer, and that is all.
     pub(super) fn line(&mut self, file: &File, command: &mut Command<'_, '_>) -> Result<(), Error> {
-        self.material(file, command)?;
+        self.stated_material(file, command)?;
         let ends = [command.vector("an end")?, command.vector("an end")?];
         let world = file
             .group()

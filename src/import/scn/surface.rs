@@ -35,14 +35,23 @@ impl Reader<'_> {
         file: &File,
         command: &mut Command<'_, '_>,
     ) -> Result<usize, Error> {
+        let stated = self.stated_material(file, command)?;
+        Ok(stated.unwrap_or_else(|| self.default_material()))
+    }
+
+    /// The same; `None` is the default material, which is made where an object needs it.
+    pub(super) fn stated_material(
+        &self,
+        file: &File,
+        command: &mut Command<'_, '_>,
+    ) -> Result<Option<usize>, Error> {
         let (number, token) = command.integer("the material")?;
         if number < 0 {
-            let inherited = file.group().and_then(|group| group.material);
-            return Ok(inherited.unwrap_or_else(|| self.default_material()));
+            return Ok(file.group().and_then(|group| group.material));
         }
         let known = usize::try_from(number).ok();
         if let Some(index) = known.and_then(|i| file.materials.get(i)) {
-            return Ok(*index);
+            return Ok(Some(*index));
         }
         let message = match file.materials.len() {
             0 => format!("material {number}: the file has none so far"),
