@@ -12,7 +12,7 @@ use rastray::math::DVec3;
 use rastray::report::animation;
 use rastray::report::files;
 use rastray::report::picture::Picture;
-use rastray::scene::Camera;
+use rastray::scene::{Camera, ImageSettings};
 use serde_json::json;
 
 use super::args::RenderArgs;
@@ -245,6 +245,17 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
     path.with_file_name(format!("{stem}-{:04}.{extension}", frame + 1))
 }
 
+/// Refuses a GIF whose frames would not fit into memory.
+fn fits_memory(image: &ImageSettings, frames: u32) -> Result<(), Error> {
+    let pixels = u64::from(image.width) * u64::from(image.height) * u64::from(frames);
+    let most = animation::MAX_PIXELS;
+    if pixels <= most {
+        return Ok(());
+    }
+    let message = format!("{frames} frames have {pixels} pixels, expected at most {most} in a GIF");
+    Err(Error::limit(message).with_help("take a smaller --size, or numbered .png files"))
+}
+
 /// Renders all frames.
 pub(super) fn render(
     args: &RenderArgs,
@@ -254,21 +265,13 @@ pub(super) fn render(
     let frames = series.frames();
     let mut base = commands::load(&args.scene, &[], verbosity)?;
     apply(&args.quality, &mut base)?;
-    let image = &base.scene.image;
     let path = args
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("{}.png", base.scene.name)));
     let gif = is_gif(&path);
-    let pixels = u64::from(image.width) * u64::from(image.height) * u64::from(frames);
-    if gif && pixels > animation::MAX_PIXELS {
-        let message = format!(
-            "{frames} frames have {pixels} pixels, a GIF of ours at most {}",
-            animation::MAX_PIXELS
-        );
-        return Err(
-            Error::limit(message).with_help("take a smaller --size, or numbered .png files")
-        );
+    if gif {
+        fits_memory(&base.scene.image, frames)?;
     }
     let camera = base.scene.camera;
     // The last value is tried before the first is drawn.
@@ -299,15 +302,14 @@ pub(super) fn render(
         files::write_bytes_atomic(&path, &animation::gif(&pictures, args.fps)?)?;
     }
     drop(progress);
-    let first = if gif {
-        path.clone()
+    let (first, end) = if gif {
+        (path.clone(), path)
     } else {
-        numbered(&path, 0)
+        (numbered(&path, 0), numbered(&path, frames - 1))
     };
-    if gif || frames == 1 {
+    if first == end {
         verbosity.say(first.display());
     } else {
-        let end = numbered(&path, frames - 1);
         verbosity.say(format!("{} to {}", first.display(), end.display()));
     }
     tell(args, &json!({ "frames": all_stats }))?;
