@@ -77,6 +77,15 @@ impl<R: Real> Frame<R> {
         }
     }
 
+    /// Whether some colour is not a number. None may leave a renderer; infinities are legal where an attenuation is 0.
+    pub fn has_nan(&self) -> bool {
+        self.color
+            .data
+            .iter()
+            .flatten()
+            .any(|x| x.to_f64().is_nan())
+    }
+
     /// The colours as a file holds them: f32.
     pub fn color_f32(&self) -> Plane<[f32; 3]> {
         self.color.map(|c| c.map(Real::to_f32))

@@ -189,6 +189,7 @@ impl<'a, R: Real> Plan<'a, R> {
             Layers::zero(&names, width, height, mode.signed)
         });
         let drawn = Drawer::new(self, &mode, options).bands(frame);
+        debug_assert!(!frame.has_nan(), "no NaN leaves the rasterizer");
         let counters = self.chunks.iter().map(|chunk| &chunk.counters);
         Ok(counters.fold(drawn, |sum, c| sum.plus(c)))
     }

@@ -37,7 +37,7 @@ pub struct Assembly<R> {
     pub material: Vec<u32>,
     /// Index into [`Scene::objects`] of each triangle.
     pub object: Vec<u32>,
-    /// Per object: its exact shape is closed and convex or flat, so a facing flag of the shape's own orientation holds.
+    /// Per object: its triangles.
     pub triangle_range: Vec<std::ops::Range<u32>>,
 }
 

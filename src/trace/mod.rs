@@ -284,6 +284,7 @@ impl<'a, R: Real> Plan<'a, R> {
             counters.add(&tile.counters);
             place(&mut frame, &tile);
         }
+        debug_assert!(!frame.has_nan(), "no NaN leaves the tracer");
         Ok((frame, counters))
     }
 
