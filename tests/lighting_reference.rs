@@ -2,10 +2,10 @@
 //! for numerical stability (`tests/reference/README.md`). Goes through the conformance adapter's own code.
 
 // The adapter's functions that these tests do not need are used by the adapter.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
 #[path = "probe/gl_lights.rs"]
 mod gl_lights;
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
 #[path = "probe/numerics.rs"]
 mod numerics;
 
