@@ -207,7 +207,7 @@ fn scene_of(shapes: &[(Shape, DAffine3)]) -> Scene {
     for (i, (shape, place)) in shapes.iter().enumerate() {
         scene.objects.push(Object {
             name: format!("o{i}"),
-            geometry: Form::Shape(*shape),
+            geometry: Form::Shape(shape.clone()),
             materials: vec![0],
             world_from_object: *place,
             tessellation: Some(3),
@@ -299,7 +299,7 @@ fn closed_shapes_do_not_leak_and_every_crossing_has_one_owner() {
     let mut random = Random(3);
     for shape in solids() {
         for place in places() {
-            let scene = scene_of(&[(shape, place)]);
+            let scene = scene_of(&[(shape.clone(), place)]);
             let assembly = Assembly::<f64>::new(&scene, None).unwrap();
             let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
             let mut walker = Walker::default();
@@ -371,7 +371,7 @@ fn points_lie_on_the_shape_normals_lead_out_and_spawned_rays_do_not_meet_it() {
     let mut random = Random(4);
     for shape in solids() {
         for place in places() {
-            let scene = scene_of(&[(shape, place)]);
+            let scene = scene_of(&[(shape.clone(), place)]);
             let assembly = Assembly::<f64>::new(&scene, None).unwrap();
             let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
             let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
@@ -471,7 +471,7 @@ fn the_hierarchy_equals_brute_force_on_round_shapes() {
     let mut random = Random(5);
     let mut shapes = Vec::new();
     for i in 0..60 {
-        let mut shape = solids()[i % 3];
+        let mut shape = solids()[i % 3].clone();
         if i % 5 == 0 {
             shape = Shape::Disk {
                 center: v(0.5, 0.0, 0.0),

@@ -538,7 +538,7 @@ fn a_mirrored_mesh_turns_its_facing_and_a_mirrored_shape_does_not() {
             edge_v,
             tiles,
         };
-        let object = add(&mut scene, shape, &[m]);
+        let object = add(&mut scene, shape.clone(), &[m]);
         if mesh {
             let mesh = rastray::scene::tessellate::tessellate(&shape, 4, 1);
             scene.objects[object].geometry = Form::Mesh(Arc::new(mesh));
@@ -781,7 +781,7 @@ fn scaling_by_powers_of_two_changes_no_bit() {
         for object in &mut scene.objects {
             object.world_from_object.translation *= k;
             object.geometry = match &object.geometry {
-                Form::Shape(shape) => Form::Shape(scaled(*shape, k)),
+                Form::Shape(shape) => Form::Shape(scaled(shape.clone(), k)),
                 Form::Mesh(mesh) => {
                     let mut mesh = (**mesh).clone();
                     mesh.positions.iter_mut().for_each(|p| *p *= k);
@@ -873,7 +873,7 @@ fn of_equal_depths_the_lowest_primitive_wins() {
             (scene.image.width, scene.image.height) = (9, 9);
             let materials = [0.5, 0.25, 0.125].map(|e| glowing(&mut scene, e));
             for m in materials {
-                add(&mut scene, shape, &[m]);
+                add(&mut scene, shape.clone(), &[m]);
             }
             let (frame, _) = try_draw::<f32>(&scene, geometry, &options(&scene)).unwrap();
             let mut seen = 0;

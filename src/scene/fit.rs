@@ -305,7 +305,7 @@ mod tests {
                 target: DVec3::ZERO,
                 ..Camera::default()
             };
-            let found = near(&camera, &[object(floor, m)], 1.0);
+            let found = near(&camera, &[object(floor.clone(), m)], 1.0);
             // The floor starts behind the eye; it is 1 below it, and the corner ray's cosine is 1 / sqrt(1 + 2 tan^2).
             let tan = libm::tan(22.5f64.to_radians());
             let expected = 0.5 * scale / (1.0 + 2.0 * tan * tan).sqrt();

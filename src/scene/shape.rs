@@ -3,7 +3,7 @@
 use crate::math::{DVec2, DVec3};
 
 /// An exact shape. Outward is the front side, under any transform.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A sphere; the tessellation's poles lie on the y axis.
     Sphere {

@@ -242,8 +242,8 @@ fn the_lecture_sets_two_defaults_and_nothing_else() {
 }
 
 fn shape(text: &str) -> Shape {
-    match scene(&format!("[object.a]\n{text}")).objects[0].geometry {
-        Geometry::Shape(shape) => shape,
+    match &scene(&format!("[object.a]\n{text}")).objects[0].geometry {
+        Geometry::Shape(shape) => shape.clone(),
         Geometry::Mesh(_) => panic!("a shape expected"),
     }
 }
