@@ -112,5 +112,8 @@ fn an_existing_file_wins_over_a_shipped_name() {
     assert_eq!(help, "did you mean `whitted`?");
     let (_, help) =
         failure(load("nothing/like/it.toml", &LoadOptions::default()).map_err(Box::new));
-    assert!(help.starts_with("shipped scenes: `whitted`"), "{help}");
+    assert_eq!(help, "`rastray scenes` lists the shipped ones");
+    let (_, help) =
+        failure(load("tests/data/shape.toml", &LoadOptions::default()).map_err(Box::new));
+    assert_eq!(help, "did you mean `tests/data/shapes.toml`?");
 }

@@ -9,6 +9,7 @@ use rastray::error::Error;
 use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
 use rastray::import::Imported;
 use rastray::report::Report;
+use rastray::report::causes;
 use rastray::report::equation::{Form, Term};
 use rastray::report::files::{self, View};
 use rastray::report::layered::{self, NamedLayer};
@@ -68,6 +69,10 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
     Report::write_files(&path, &files)?;
     drop(progress);
     let page = path.join("index.html");
+    let summary = &report.summary;
+    let pixels = summary.size[0] * summary.size[1];
+    let digest = causes::digest(summary.metrics.rmse, &summary.causes, pixels);
+    verbosity.say(digest);
     verbosity.say(page.display());
     if args.json {
         let text = report.summary.to_json();

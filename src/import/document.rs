@@ -12,7 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::text::Home;
-use super::{include, names};
+use super::{include, names, syntax};
 use crate::error::{Error, Place};
 
 /// A value and where it stands.
@@ -136,7 +136,7 @@ impl Document {
                 let span = shift(table.span(), base);
                 node(span, table_value(table.into_inner(), base))
             }
-            Err(error) => return Err(syntax_error(file, &text, &error)),
+            Err(error) => return Err(syntax::error(file, &text, &error)),
         };
         self.push(origin, file, text);
         Ok(root)
@@ -332,30 +332,4 @@ fn value_node(value: Spanned<DeValue<'_>>, base: usize) -> Node {
 
 fn shift(span: Range<usize>, base: usize) -> Range<usize> {
     span.start + base..span.end + base
-}
-
-/// A TOML syntax error, or a better word for what the file is.
-fn syntax_error(file: &str, text: &str, error: &toml::de::Error) -> Error {
-    if looks_like_obj(text) {
-        return Error::input(Place::file(file), "holds an OBJ mesh, not a TOML scene")
-            .with_help("give it the extension .obj");
-    }
-    let place = match error.span() {
-        Some(span) => Place::span(file, text, span),
-        None => Place::file(file),
-    };
-    Error::input(place, error.message().replace('\n', " "))
-}
-
-/// Whether the first statement is one of OBJ's.
-fn looks_like_obj(text: &str) -> bool {
-    const WORDS: [&str; 9] = ["v", "vn", "vt", "f", "o", "g", "s", "usemtl", "mtllib"];
-    text.lines()
-        .map(str::trim)
-        .find(|line| !line.is_empty() && !line.starts_with('#'))
-        .is_some_and(|line| {
-            let mut words = line.split_whitespace();
-            words.next().is_some_and(|w| WORDS.contains(&w))
-                && words.next().is_some_and(|w| !w.starts_with('='))
-        })
 }

@@ -23,6 +23,7 @@ mod reader;
 mod schema;
 mod scn;
 mod shipped;
+mod syntax;
 pub mod text;
 
 use std::path::{Path, PathBuf};
@@ -207,16 +208,43 @@ fn imported(
     }
 }
 
-/// The error for a name that is neither a file nor a shipped scene.
+/// The error for a name that is neither a file nor a shipped scene: the nearest shipped name, or file beside it.
 fn unknown(name: &str) -> Error {
+    let path = Path::new(name);
     let known: Vec<&str> = shipped().iter().map(|scene| scene.name).collect();
     let message = format!("there is no file `{name}`, and no shipped scene of that name");
-    let stem = Path::new(name)
-        .file_stem()
-        .map_or(name.into(), |s| s.to_string_lossy());
-    let help = match names::closest(&stem, &known) {
+    let part = |part: Option<&std::ffi::OsStr>| {
+        part.map_or(String::new(), |s| s.to_string_lossy().into_owned())
+    };
+    let beside = scenes_beside(path);
+    let files: Vec<&str> = beside.iter().map(String::as_str).collect();
+    let near_file = names::closest(&part(path.file_name()), &files)
+        .map(|file| path.with_file_name(file).display().to_string());
+    let near = names::closest(&part(path.file_stem()), &known).map(str::to_owned);
+    let help = match near_file.or(near) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => format!("shipped scenes: {}", names::list(&known, "and")),
+        None => "`rastray scenes` lists the shipped ones".to_owned(),
     };
     Error::parameter("SCENE", message).with_help(help)
+}
+
+/// Names of the scene files in the folder that a path points into, at most 1000, sorted.
+fn scenes_beside(path: &Path) -> Vec<String> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let names = entries.take(1000).filter_map(|entry| {
+        let name = entry.ok()?.file_name().into_string().ok()?;
+        let extension = Path::new(&name).extension()?.to_str()?.to_lowercase();
+        ["toml", "scn", "obj"]
+            .contains(&extension.as_str())
+            .then_some(name)
+    });
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    names
 }

@@ -114,6 +114,39 @@ pub fn figures(cause: &Cause, pixels: usize) -> String {
     }
 }
 
+/// What a terminal shows after a comparison: the whole difference, then a line for each cause that changes something.
+///
+/// ```
+/// use rastray::report::causes::digest;
+/// use rastray::report::summary::Cause;
+/// let cause = |name: &str, rmse, pixels| Cause { name: name.into(), rmse, max: 0.61, pixels, sum: [0.0; 3] };
+/// let text = digest(0.0831, &[cause("clamping", 0.0, 0), cause("shadow", 0.0831, 4)], 100);
+/// assert_eq!(
+///     text,
+///     "trace minus raster: rmse 0.0831; cause by cause, in ladder order:\n  \
+///      shadow          rmse 0.0831    max 0.61       4.0 % of pixels   lights that are blocked stop shining\n  \
+///      no difference:  clamping"
+/// );
+/// ```
+pub fn digest(rmse: f64, causes: &[Cause], pixels: usize) -> String {
+    let mut text = format!(
+        "trace minus raster: rmse {}; cause by cause, in ladder order:",
+        value(rmse)
+    );
+    for cause in causes.iter().filter(|c| c.pixels > 0) {
+        let (name, step) = (&cause.name, explanation(&cause.name).map_or("", |e| e.step));
+        let (rmse, max) = (value(cause.rmse), value(cause.max));
+        let share = format!("{} of pixels", percent(cause.pixels, pixels));
+        text += &format!("\n  {name:14}  rmse {rmse:9} max {max:9} {share:>16}   {step}");
+    }
+    let none: Vec<_> = causes.iter().filter(|c| c.pixels == 0).collect();
+    if !none.is_empty() {
+        let names: Vec<_> = none.iter().map(|c| c.name.as_str()).collect();
+        text += &format!("\n  no difference:  {}", names.join(", "));
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

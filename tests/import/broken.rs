@@ -126,10 +126,14 @@ const SECTIONS: &[(&str, &str, &str)] = &[
     ),
     (
         "[material.red]\ncolor = 1\ncolor = 2\n",
-        "3:1 duplicate key",
-        "",
+        "3:1 color stands twice",
+        "the first is in line 2; remove one of them",
     ),
-    ("[material.red]\n[material.red]\n", "2:11 duplicate key", ""),
+    (
+        "[material.red]\n[material.red]\n",
+        "2:11 material.red stands twice",
+        "the first is in line 1; give one of them another name",
+    ),
     (
         "[image]\nwidth = 0\n",
         "2:9 width: expected a whole number from 1 to 16384, found 0",
@@ -280,6 +284,103 @@ fn a_key_outside_of_its_section_is_sent_home() {
         "1:1 `conventoin` stands outside of any section",
         "did you mean `convention`?",
     );
+}
+
+/// Slips of whoever writes TOML by hand: text, "line:column message", help.
+const SLIPS: &[(&str, &str, &str)] = &[
+    (
+        "[image]\nwidth = 64 64\n",
+        "2:9 a comma is missing between 64 and 64",
+        "",
+    ),
+    (
+        "[camera]\neye = [0.3 2.1, 7.2]\n",
+        "2:8 a comma is missing between 0.3 and 2.1",
+        "",
+    ),
+    (
+        "[camera]\neye = [0.3; 2.1; 7.2]\n",
+        "2:8 the numbers of a list are separated by commas",
+        "",
+    ),
+    (
+        "[camera]\neye = (1, 2, 3)\n",
+        "2:9 a list stands in square brackets",
+        "write [1, 2, 3]",
+    ),
+    (
+        "[camera]\neye = [1, 2,\n  3\nfovy = 3\n",
+        "4:1 the list that begins in line 2 is not closed",
+        "put `]` at its end",
+    ),
+    (
+        "[camera]\nfovy = \n",
+        "2:8 a value is missing behind `=`",
+        "",
+    ),
+    (
+        "[camera]\nfovy = 30,5\n",
+        "2:10 a decimal point is a dot",
+        "write 0.5 for 0,5, and [1, 2, 3] for a list",
+    ),
+    (
+        "[camera]\nfovy = 30;\n",
+        "2:8 nothing follows a value on its line",
+        "remove the `;`",
+    ),
+    (
+        "[camera]\nfovy = 30.\n",
+        "2:11 a number has digits on both sides of its point",
+        "write 1.0 for 1., and 0.5 for .5",
+    ),
+    (
+        "[camera]\nfovy: 30\n",
+        "2:7 `=` stands between a key and its value, not `:`",
+        "",
+    ),
+    (
+        "[camera]\nfovy 30\n",
+        "2:6 `=` is missing between the key and its value",
+        "",
+    ),
+    ("// a comment\n", "1:4 a comment begins with `#`", ""),
+    (
+        "[material.mirror ball]\n",
+        "1:17 a name with a space stands in quotes",
+        "write [material.\"mirror ball\"]",
+    ),
+    (
+        "[object.a]\nmaterial = red\n",
+        "2:12 text stands in quotes",
+        "write \"red\", if it is meant as text",
+    ),
+    (
+        "[object.a]\nmaterial = \"red\n",
+        "2:16 the string is not closed: expected `\"`",
+        "",
+    ),
+    (
+        "[object.a]\nmaterial = 'red\n",
+        "2:16 the string is not closed: expected `'`",
+        "",
+    ),
+    (
+        "[[light]]\ndiffuse = 1\n",
+        "1:1 light: expected a table, found a list of 1",
+        "write [light.NAME], with a name of your own",
+    ),
+    (
+        "{ \"camera\": 1 }\n",
+        "1:1 holds JSON, not a TOML scene",
+        "`rastray scenes whitted` prints one to start from",
+    ),
+];
+
+#[test]
+fn slips_of_the_hand_are_called_by_their_names() {
+    for (text, message, help) in SLIPS {
+        check(text, message, help);
+    }
 }
 
 /// Whole files: text, "line:column message", help.

@@ -125,7 +125,9 @@ impl<'a> Top<'a> {
     fn named(&self, section: &str) -> Result<&'a [(Key, Node)], Error> {
         match self.get(section) {
             Some((_, node)) => {
-                let entries = table(self.document, node, section)?;
+                let help = format!("write [{section}.NAME], with a name of your own");
+                let entries = table(self.document, node, section)
+                    .map_err(|error| error.with_help(help.clone()))?;
                 for (key, node) in entries {
                     if !matches!(node.value, Value::Table(_)) {
                         let message = format!(
@@ -133,7 +135,6 @@ impl<'a> Top<'a> {
                             key.name,
                             node.value.describe()
                         );
-                        let help = format!("write [{section}.NAME], with a name of your own");
                         return Err(self.document.error(&key.span, message).with_help(help));
                     }
                 }
