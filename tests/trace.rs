@@ -1084,7 +1084,7 @@ fn any_shape_of_hierarchy<const W: usize>(
         let closest = |ray: &Ray| {
             let shear = Shear::new(ray.origin, ray.direction)?;
             let mut best: Option<(f64, usize)> = None;
-            bvh.traverse(ray, &mut walker, |slot, t_max| {
+            bvh.traverse(ray, &mut walker, |slot, t_max, _| {
                 let index = order[slot] as usize;
                 let corners = triangles[index].map(|p| p.to_array());
                 if let Some(hit) = shear.triangle(corners)

@@ -278,6 +278,7 @@ pub(crate) const MATERIAL: &[KeyInfo] = &[
 pub(crate) const OBJECT: &[KeyInfo] = &[
     key("shape", Kind::Choice(|| SHAPES.iter().map(|s| s.0).collect()), "", "An exact shape"),
     key("mesh", Kind::Text, "", "An OBJ file, its path relative to this file"),
+    key("instance", Kind::Text, "", "Another object, further up: the same form once more; its transform comes first, its materials hold unless others are stated"),
     key("material", Kind::Text, "", "Name of its material; OpenGL's default material where omitted"),
     key("materials", Kind::Names, "", "Names of its materials, taken in turn by tiles or by the mesh's own materials"),
     key("transform", Kind::Transform, "[]", "Steps from object to world space, applied in the order written"),

@@ -73,13 +73,19 @@ fn object() -> Value {
         .map(|(name, own)| {
             let mut form = section(&[keys::OBJECT, own], &format!("A {name}"));
             form["properties"]["shape"] = json!({ "const": name });
-            require(&mut form, "shape", &["mesh"])
+            require(&mut form, "shape", &["mesh", "instance"])
         })
         .collect();
     let mut mesh = section(&[keys::OBJECT, keys::MESH], "A mesh from a file");
-    forms.push(require(&mut mesh, "mesh", &["shape"]));
+    forms.push(require(&mut mesh, "mesh", &["shape", "instance"]));
     let mut inline = section(&[keys::OBJECT, keys::INLINE], "A mesh written here");
-    forms.push(require(&mut inline, "positions", &["shape", "mesh"]));
+    forms.push(require(
+        &mut inline,
+        "positions",
+        &["shape", "mesh", "instance"],
+    ));
+    let mut instance = section(&[keys::OBJECT], "Another object once more");
+    forms.push(require(&mut instance, "instance", &["shape", "mesh"]));
     json!({ "oneOf": forms })
 }
 

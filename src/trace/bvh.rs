@@ -8,7 +8,7 @@
 //! Box test (Ize 2013): the ray's origin is rounded to both sides, the far end widened by 1 + 2 gamma(n); a ray parallel to
 //! a slab gets a finite, huge inverse, so that it skips the axis when inside and misses outside, and 0 * infinity never
 //! occurs. Child boxes lie side by side in arrays of `W`, so that the compiler, or packets later, test them in lanes.
-//! Leaves out: instances, packets.
+//! A leaf may hold a hierarchy of its own ([`super::instance`]): the walker's stack serves both. Leaves out: packets.
 
 use super::ray::Ray;
 use crate::math::DVec3;
@@ -152,12 +152,13 @@ impl<const W: usize> Bvh<W> {
 
     /// Shows `leaf` every slot whose box the ray may meet between t_min and the bound, nearest boxes first.
     ///
-    /// `leaf` gets a slot and the bound on t, which it may lower, and returns true to stop. Returns whether it did.
+    /// `leaf` gets a slot, the bound on t, which it may lower, and the walker, which it may lend to a hierarchy inside;
+    /// it returns true to stop. Returns whether it did.
     pub fn traverse(
         &self,
         ray: &Ray,
         walker: &mut Walker,
-        mut leaf: impl FnMut(usize, &mut f64) -> bool,
+        mut leaf: impl FnMut(usize, &mut f64, &mut Walker) -> bool,
     ) -> bool {
         let boxed = match BoxRay::new(ray, &self.space) {
             Some(boxed) if !self.nodes.is_empty() => boxed,
@@ -165,27 +166,32 @@ impl<const W: usize> Bvh<W> {
         };
         let mut t_max = ray.t_max;
         let mut bound = boxed.bound(t_max);
-        let Walker { work, stack } = walker;
-        stack.clear();
-        stack.push(Entry {
+        // What lies below belongs to the hierarchy that this one is inside of.
+        let base = walker.stack.len();
+        walker.stack.push(Entry {
             near: 0.0,
             child: 0,
             count: 0,
         });
-        while let Some(entry) = stack.pop() {
+        while walker.stack.len() > base {
+            let Some(entry) = walker.stack.pop() else {
+                break;
+            };
             if entry.near > bound {
                 continue;
             }
             if entry.count == 0 {
-                work.node_visits += 1;
-                work.box_tests += W as u64;
-                push_children(&self.nodes[entry.child as usize], &boxed, bound, stack);
+                walker.work.node_visits += 1;
+                walker.work.box_tests += W as u64;
+                let node = &self.nodes[entry.child as usize];
+                push_children(node, &boxed, bound, &mut walker.stack);
                 continue;
             }
             let first = entry.child as usize;
-            work.primitive_tests += u64::from(entry.count);
+            walker.work.primitive_tests += u64::from(entry.count);
             for slot in first..first + usize::from(entry.count) {
-                if leaf(slot, &mut t_max) {
+                if leaf(slot, &mut t_max, walker) {
+                    walker.stack.truncate(base);
                     return true;
                 }
             }

@@ -8,6 +8,7 @@
 use super::build::Bounds;
 use super::bvh::{Bvh, Walker};
 use super::exact::unit;
+use super::instance::{self, Instance, Shared};
 use super::planar::{Shear, normal, precise_weights};
 use super::ray::{Foot, Hit, Ray};
 use super::solid::Solid;
@@ -18,6 +19,8 @@ use crate::scene::{self, Scene};
 
 /// Marks the item number of an exact shape.
 const SOLID: u32 = 1 << 31;
+/// Marks the slot of an instance; hits inside it carry the numbers of its triangles.
+const INSTANCE: u32 = 1 << 30;
 
 /// Everything that rays can meet.
 #[derive(Clone, Debug)]
@@ -25,10 +28,13 @@ pub struct Surfaces<'a, R> {
     scene: &'a Scene,
     assembly: &'a Assembly<R>,
     solids: Vec<Solid>,
+    shared: Vec<Shared>,
+    /// Per object: how it shows a shared mesh, if it does.
+    instances: Vec<Option<Instance>>,
     bvh: Bvh,
-    /// Item in each slot: a triangle's number, or [`SOLID`] + index.
+    /// Item in each slot: a triangle's number, [`SOLID`] + index, or [`INSTANCE`] + object.
     items: Vec<u32>,
-    /// World corners of the triangle in each slot (zeros for a solid), so that leaves read memory in order.
+    /// World corners of the triangle in each slot (zeros for others), so that leaves read memory in order.
     corners: Vec<[[R; 3]; 3]>,
     rotation: DMat3,
     eye: DVec3,
@@ -56,11 +62,14 @@ pub struct Site<R> {
 impl<'a, R: Real> Surfaces<'a, R> {
     /// Prepares a scene: true shapes where `exact`, else the assembly's triangles alone.
     pub(super) fn new(scene: &'a Scene, assembly: &'a Assembly<R>, exact: bool) -> Self {
-        let (items, solids) = gather(scene, assembly, exact);
+        let (shared, instances) = instance::gather(scene, &assembly.triangle_range);
+        let (items, solids) = gather(scene, assembly, &instances, exact);
         let mut surfaces = Self {
             scene,
             assembly,
             solids,
+            shared,
+            instances,
             bvh: Bvh::build(&[]).0,
             items,
             corners: Vec::new(),
@@ -86,22 +95,24 @@ impl<'a, R: Real> Surfaces<'a, R> {
         surfaces
     }
 
-    /// The hierarchy, for its counts.
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
+    /// Inner nodes and leaves of the hierarchies, shared ones once.
+    pub fn hierarchy_size(&self) -> (usize, usize) {
+        let shared = self.shared.iter().map(|shared| &shared.bvh);
+        std::iter::once(&self.bvh)
+            .chain(shared)
+            .fold((0, 0), |(nodes, leaves), bvh| {
+                (nodes + bvh.node_count(), leaves + bvh.leaf_count())
+            })
     }
 
     /// The nearest hit of a ray; of hits at equal t the lowest primitive number.
     pub fn closest_hit(&self, ray: &Ray, walker: &mut Walker) -> Option<Hit> {
-        let shear = Shear::new(ray.origin, ray.direction)?;
         let mut best = None;
-        self.bvh.traverse(ray, walker, |slot, t_max| {
-            self.hits(slot, ray, &shear, |hit| {
-                if hit.t >= ray.t_min && hit.t <= *t_max && wins(&hit, &best) {
-                    best = Some(hit);
-                    *t_max = hit.t;
-                }
-            });
+        self.walk(ray, walker, |hit, t_max| {
+            if hit.t >= ray.t_min && hit.t <= *t_max && wins(&hit, &best) {
+                best = Some(hit);
+                *t_max = hit.t;
+            }
             false
         });
         best
@@ -109,14 +120,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
 
     /// Whether anything lies on the ray between its ends.
     pub fn any_hit(&self, ray: &Ray, walker: &mut Walker) -> bool {
-        let Some(shear) = Shear::new(ray.origin, ray.direction) else {
-            return false;
-        };
-        self.bvh.traverse(ray, walker, |slot, _| {
-            let mut found = false;
-            self.hits(slot, ray, &shear, |hit| found |= in_range(ray, &hit));
-            found
-        })
+        self.walk(ray, walker, |hit, _| in_range(ray, &hit))
     }
 
     /// Every crossing of the ray with a surface between its ends, in order of t, then of primitive number.
@@ -129,18 +133,12 @@ impl<'a, R: Real> Surfaces<'a, R> {
         mut keep: impl FnMut(&Hit) -> bool,
     ) -> Option<Vec<Hit>> {
         let mut found = Vec::new();
-        let Some(shear) = Shear::new(ray.origin, ray.direction) else {
-            return Some(found);
-        };
-        let stopped = self.bvh.traverse(ray, walker, |slot, _| {
-            let mut stop = false;
-            self.hits(slot, ray, &shear, |hit| {
-                if !stop && in_range(ray, &hit) {
-                    stop = !keep(&hit);
-                    found.push(hit);
-                }
-            });
-            stop
+        let stopped = self.walk(ray, walker, |hit, _| {
+            if !in_range(ray, &hit) {
+                return false;
+            }
+            found.push(hit);
+            !keep(&hit)
         });
         found.sort_by(|a, b| {
             let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
@@ -153,14 +151,58 @@ impl<'a, R: Real> Surfaces<'a, R> {
     pub fn closest_hit_of_all(&self, ray: &Ray) -> Option<Hit> {
         let shear = Shear::new(ray.origin, ray.direction)?;
         let mut best = None;
+        let mut keep = |hit: Hit| {
+            if in_range(ray, &hit) && wins(&hit, &best) {
+                best = Some(hit);
+            }
+        };
         for slot in 0..self.items.len() {
-            self.hits(slot, ray, &shear, |hit| {
-                if in_range(ray, &hit) && wins(&hit, &best) {
-                    best = Some(hit);
-                }
-            });
+            let Some((instance, shared)) = self.instance(self.items[slot]) else {
+                self.hits(slot, ray, &shear, &mut keep);
+                continue;
+            };
+            let inner = instance.ray_object(ray);
+            if let Some(shear) = Shear::new(inner.origin, inner.direction) {
+                let hits =
+                    (0..shared.len()).filter_map(|s| instance.hit(shared, s, ray.skip, &shear));
+                hits.for_each(&mut keep);
+            }
         }
         best
+    }
+
+    /// Shows `visit` every hit that the hierarchy cannot rule out, at any t, with the bound on t, which it may lower; it
+    /// returns true to stop. Returns whether it did.
+    #[inline]
+    fn walk(
+        &self,
+        ray: &Ray,
+        walker: &mut Walker,
+        mut visit: impl FnMut(Hit, &mut f64) -> bool,
+    ) -> bool {
+        let Some(shear) = Shear::new(ray.origin, ray.direction) else {
+            return false;
+        };
+        self.bvh.traverse(ray, walker, |slot, t_max, walker| {
+            if let Some((instance, shared)) = self.instance(self.items[slot]) {
+                let mut inner = instance.ray_object(ray);
+                inner.t_max = *t_max;
+                let Some(shear) = Shear::new(inner.origin, inner.direction) else {
+                    return false;
+                };
+                return shared.bvh.traverse(&inner, walker, |slot, inner_t_max, _| {
+                    let Some(hit) = instance.hit(shared, slot, ray.skip, &shear) else {
+                        return false;
+                    };
+                    let stop = visit(hit, t_max);
+                    *inner_t_max = *t_max;
+                    stop
+                });
+            }
+            let mut stop = false;
+            self.hits(slot, ray, &shear, |hit| stop = stop || visit(hit, t_max));
+            stop
+        })
     }
 
     /// What is at a hit. `eye_ray` is the same ray in eye space where it is a primary one: a triangle's weights are then
@@ -215,21 +257,51 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
     }
 
+    /// The instance of a slot's item, and its mesh.
+    #[inline]
+    fn instance(&self, item: u32) -> Option<(&Instance, &Shared)> {
+        if item & (SOLID | INSTANCE) != INSTANCE {
+            return None;
+        }
+        self.instance_of((item & !INSTANCE) as usize)
+    }
+
+    /// How an object shows a shared mesh.
+    fn instance_of(&self, object: usize) -> Option<(&Instance, &Shared)> {
+        let instance = self.instances.get(object)?.as_ref()?;
+        Some((instance, &self.shared[instance.shared]))
+    }
+
     fn solid(&self, item: u32) -> &Solid {
         &self.solids[(item & !SOLID) as usize]
     }
 
     fn corners_of(&self, item: u32) -> [[R; 3]; 3] {
-        if item & SOLID != 0 {
+        if item & (SOLID | INSTANCE) != 0 {
             return [[R::ZERO; 3]; 3];
         }
         let triangle = self.assembly.triangles[item as usize];
         triangle.map(|v| self.assembly.position_world[v as usize])
     }
 
+    /// World corners of a triangle as rays meet it, and the error that an instance's transform adds to the hit.
+    fn corners_world(&self, triangle: u32) -> ([DVec3; 3], f64) {
+        let object = self.assembly.object[triangle as usize] as usize;
+        match self.instance_of(object) {
+            Some((instance, shared)) => instance.corners_world(shared, triangle),
+            None => {
+                let corners = self.corners_of(triangle);
+                (corners.map(|p| DVec3::from_array(p.map(Real::to_f64))), 0.0)
+            }
+        }
+    }
+
     fn bounds(&self, item: u32) -> Bounds {
         if item & SOLID != 0 {
             return self.solid(item).bounds();
+        }
+        if let Some((instance, shared)) = self.instance(item) {
+            return instance.bounds(shared);
         }
         let corners = self.corners_of(item);
         Bounds::of(corners.map(|p| DVec3::from_array(p.map(Real::to_f64))))
@@ -270,9 +342,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
     fn triangle_site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
         let a = self.assembly;
         let triangle = a.triangles[hit.item as usize];
-        let world = self
-            .corners_of(hit.item)
-            .map(|p| DVec3::from_array(p.map(Real::to_f64)));
+        let (world, error) = self.corners_world(hit.item);
         let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
         let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
@@ -285,7 +355,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let foot = Foot {
             point: world[0] + u * ab + v * ac,
             normal: normal(world),
-            scale: ab.abs().max_element() + ac.abs().max_element(),
+            scale: ab.abs().max_element() + ac.abs().max_element() + error,
         };
         let [u, v] = eye_ray
             .and_then(|(o, d)| {
@@ -309,7 +379,12 @@ impl<'a, R: Real> Surfaces<'a, R> {
 }
 
 /// The items of a scene in file order, and its exact shapes.
-fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, Vec<Solid>) {
+fn gather<R>(
+    scene: &Scene,
+    assembly: &Assembly<R>,
+    instances: &[Option<Instance>],
+    exact: bool,
+) -> (Vec<u32>, Vec<Solid>) {
     let mut items = Vec::with_capacity(assembly.triangles.len());
     let mut solids = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
@@ -321,6 +396,9 @@ fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, V
                     items.push(SOLID + solids.len() as u32);
                     solids.push(solid);
                 }
+            }
+            _ if instances.get(index).is_some_and(Option::is_some) => {
+                items.push(INSTANCE + index as u32)
             }
             _ => items.extend(range),
         }

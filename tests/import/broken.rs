@@ -286,6 +286,41 @@ fn a_key_outside_of_its_section_is_sent_home() {
     );
 }
 
+#[test]
+fn instances_repeat_what_stands_further_up() {
+    let forms = "a `shape`, a `mesh` file, inline `positions`, or an `instance` of another object";
+    for (text, message, help) in [
+        (
+            "[object.a]\ninstance = \"b\"\n[object.b]\nshape = \"box\"\n",
+            "2:12 instance: `b` stands further down",
+            "move [object.b] up, before its instances".to_owned(),
+        ),
+        (
+            "[object.a]\ninstance = \"a\"\n",
+            "2:12 instance: `a` cannot repeat itself",
+            format!("say what it is: {forms}"),
+        ),
+        (
+            "[object.ball]\nshape = \"sphere\"\n[object.a]\ninstance = \"bal\"\n",
+            "4:12 instance: there is no object called `bal`",
+            "did you mean `ball`?".to_owned(),
+        ),
+        (
+            "[object.a]\nshape = \"box\"\n[object.b]\ninstance = 3\n",
+            "4:12 instance: expected the name of an object, found 3",
+            String::new(),
+        ),
+        (
+            "[object.a]\nshape = \"box\"\ntransform = [{ scale = 1e-60 }]\n\
+             [object.b]\ninstance = \"a\"\ntransform = [{ scale = 1e-60 }]\n",
+            "5:12 instance: its transform and that of a together leave the number range",
+            String::new(),
+        ),
+    ] {
+        check(text, message, &help);
+    }
+}
+
 /// Slips of whoever writes TOML by hand: text, "line:column message", help.
 const SLIPS: &[(&str, &str, &str)] = &[
     (
@@ -388,12 +423,12 @@ const FILES: &[(&str, &str, &str)] = &[
     ("[material.red\n", "1:14 unclosed table, expected `]`", ""),
     (
         "[object.a]\nmaterial = \"red\"\n",
-        "1:9 object.a: expected a `shape`, a `mesh` file, or inline `positions`",
+        "1:9 object.a: expected a `shape`, a `mesh` file, inline `positions`, or an `instance` of another object",
         "",
     ),
     (
         "[object.a]\nshape = \"sphere\"\nmesh = \"a.obj\"\n",
-        "1:9 object.a: expected one of a `shape`, a `mesh` file, or inline `positions`, found `shape` and `mesh`",
+        "1:9 object.a: expected one of a `shape`, a `mesh` file, inline `positions`, or an `instance` of another object, found `shape` and `mesh`",
         "",
     ),
     (
@@ -424,7 +459,7 @@ const FILES: &[(&str, &str, &str)] = &[
     (
         "[object.a]\nshape = \"sphere\"\nsize = 2\n",
         "3:1 object.a has no key `size`",
-        "there are `shape`, `mesh`, `material`, `materials`, `transform`, `center`, `radius` and `tessellation`",
+        "there are `shape`, `mesh`, `instance`, `material`, `materials`, `transform`, `center`, `radius` and `tessellation`",
     ),
     (
         "[object.a]\nshape = \"sphere\"\ntessellation = 2\n",

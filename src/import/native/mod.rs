@@ -104,6 +104,8 @@ struct Reader<'a> {
     shared_materials: HashSet<usize>,
     /// Materials by name.
     material_index: HashMap<String, usize>,
+    /// Objects by name.
+    object_index: HashMap<String, usize>,
     /// Triangles that stated levels and tiles ask for.
     tessellated: u64,
     /// Triangles of the objects' meshes.
@@ -159,6 +161,7 @@ impl<'a> Reader<'a> {
             half_width: contents.half_width,
             shared_materials: HashSet::new(),
             material_index: HashMap::new(),
+            object_index: HashMap::new(),
             tessellated: 0,
             mesh_triangles: 0,
         };

@@ -8,16 +8,19 @@ use crate::import::document::{Key, Node, Value};
 use crate::import::keys::{self, KeyInfo, MAX_MESH_TRIANGLES, SHAPES};
 use crate::import::reader::{Section, mismatch, table};
 use crate::import::{names, obj};
+use crate::math::DAffine3;
 use crate::scene::{Geometry, Material, Object};
 
 /// Forms that an object can have, for the message where it has none.
-const FORMS: &str = "a `shape`, a `mesh` file, or inline `positions`";
+const FORMS: &str =
+    "a `shape`, a `mesh` file, inline `positions`, or an `instance` of another object";
 
 /// What makes an object: the key that it has one of.
 enum Form<'a> {
     Shape(&'a Node),
     Mesh,
     Inline,
+    Instance(&'a Node),
 }
 
 impl<'a> Reader<'a> {
@@ -28,11 +31,12 @@ impl<'a> Reader<'a> {
             Form::Shape(name) => self.shape_keys(name)?,
             Form::Mesh => keys::MESH,
             Form::Inline => keys::INLINE,
+            Form::Instance(_) => &[],
         };
         let rows = [keys::OBJECT, own];
         let section = Section::open(self.document, path, key.span.clone(), node, &rows)?;
         let mut materials = self.stated_materials(&section)?;
-        let world_from_object = self.transform(&section)?;
+        let mut world_from_object = self.transform(&section)?;
         let mut tessellation = None;
         let geometry = match form {
             Form::Shape(_) => {
@@ -45,12 +49,24 @@ impl<'a> Reader<'a> {
                 Geometry::Mesh(shared.mesh)
             }
             Form::Inline => Geometry::Mesh(Arc::new(self.inline(&section)?)),
+            Form::Instance(node) => {
+                let original = self.scene.objects[self.original(&key.name, node)?].clone();
+                world_from_object = placed(&section, &world_from_object, &original)?;
+                tessellation = original.tessellation;
+                materials = materials.or(Some(original.materials));
+                if let Geometry::Shape(shape) = &original.geometry {
+                    self.count_triangles(&section, shape, tessellation)?;
+                }
+                original.geometry
+            }
         };
         self.count_mesh(&section, &geometry)?;
         let materials = match materials {
             Some(materials) => materials,
             None => vec![self.gl_default_material()],
         };
+        let index = self.scene.objects.len();
+        self.object_index.insert(key.name.clone(), index);
         self.scene.objects.push(Object {
             name: key.name.clone(),
             geometry,
@@ -69,6 +85,7 @@ impl<'a> Reader<'a> {
                 "shape" => found.push(("shape", Form::Shape(value))),
                 "mesh" => found.push(("mesh", Form::Mesh)),
                 "positions" => found.push(("positions", Form::Inline)),
+                "instance" => found.push(("instance", Form::Instance(value))),
                 _ => {}
             }
         }
@@ -84,6 +101,40 @@ impl<'a> Reader<'a> {
             (Some((_, form)), 0) => Ok(form),
             _ => Err(self.document.error(&key.span, message)),
         }
+    }
+
+    /// The object that an instance repeats: one that stands further up.
+    fn original(&self, own: &str, node: &Node) -> Result<usize, Error> {
+        let Value::Text(name) = &node.value else {
+            return Err(mismatch(
+                self.document,
+                "instance",
+                node,
+                "the name of an object",
+            ));
+        };
+        if let Some(index) = self.object_index.get(name) {
+            return Ok(*index);
+        }
+        let known: Vec<&str> = self.scene.objects.iter().map(|o| o.name.as_str()).collect();
+        let all = self.top()?.named("object")?;
+        let later = all.iter().any(|(key, _)| key.name == *name);
+        let (message, help) = match later {
+            true if own == name => (
+                format!("instance: `{name}` cannot repeat itself"),
+                format!("say what it is: {FORMS}"),
+            ),
+            true => (
+                format!("instance: `{name}` stands further down"),
+                format!("move [object.{name}] up, before its instances"),
+            ),
+            false => {
+                let message = format!("instance: there is no object called `{name}`");
+                let error = self.document.error(&node.span, message);
+                return Err(names::with_advice(error, name, &known));
+            }
+        };
+        Err(self.document.error(&node.span, message).with_help(help))
     }
 
     /// The keys of the shape that is named, or an error that lists the shapes there are.
@@ -224,4 +275,18 @@ impl<'a> Reader<'a> {
             format!("the scene's meshes have {count} triangles, more than {MAX_MESH_TRIANGLES}");
         Err(section.error(message))
     }
+}
+
+/// World from object of an instance: first the original's transform, then its own.
+fn placed(section: &Section<'_>, own: &DAffine3, original: &Object) -> Result<DAffine3, Error> {
+    let place = *own * original.world_from_object;
+    let det = place.matrix3.determinant();
+    if place.is_finite() && det.is_finite() && det != 0.0 {
+        return Ok(place);
+    }
+    let message = format!(
+        "its transform and that of {} together leave the number range",
+        original.name
+    );
+    Err(section.error_at("instance", message))
 }

@@ -55,7 +55,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Refuses levels and tiles that together ask for more triangles than a file may.
-    fn count_triangles(
+    pub(super) fn count_triangles(
         &mut self,
         section: &Section<'_>,
         shape: &Shape,
