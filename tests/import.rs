@@ -12,6 +12,8 @@ mod mutate;
 mod schema;
 #[path = "import/scn.rs"]
 mod scn;
+#[path = "import/strict.rs"]
+mod strict;
 #[path = "import/values.rs"]
 mod values;
 
@@ -23,7 +25,13 @@ use rastray::scene::{Geometry, Mesh, Scene};
 
 fn load_with(path: &Path, sets: &[&str]) -> Result<Imported, Box<Error>> {
     let sets = sets.iter().map(|s| s.to_string()).collect();
-    Ok(load(path.to_str().unwrap(), &LoadOptions { sets })?)
+    Ok(load(
+        path.to_str().unwrap(),
+        &LoadOptions {
+            sets,
+            ..LoadOptions::default()
+        },
+    )?)
 }
 
 /// Loads a text as a file of this name, in a folder of its own.

@@ -49,6 +49,9 @@ pub(super) struct SceneArgs {
     /// Override a key of the scene file, such as material.red.shininess=64
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) sets: Vec<String>,
+    /// Refuse values that real OpenGL refuses, instead of noting them
+    #[arg(long, hide_short_help = true)]
+    pub(super) strict_gl: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -20,6 +20,7 @@ pub(super) fn load(
 ) -> Result<import::Imported, Error> {
     let options = import::LoadOptions {
         sets: [&args.sets[..], more].concat(),
+        strict_gl: args.strict_gl,
     };
     let imported = import::load(&args.scene, &options)?;
     if verbosity != Verbosity::Quiet {

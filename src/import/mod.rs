@@ -23,6 +23,7 @@ mod reader;
 mod schema;
 mod scn;
 mod shipped;
+mod strict;
 mod syntax;
 pub mod text;
 
@@ -43,6 +44,8 @@ use text::{Home, MAX_TEXT};
 pub struct LoadOptions {
     /// Overrides `KEY=VALUE`, such as `material.red.shininess=64`, applied in turn before the file is interpreted.
     pub sets: Vec<String>,
+    /// Values that real OpenGL refuses are errors instead of notes.
+    pub strict_gl: bool,
 }
 
 /// What of the camera was fitted to the scene, since the file is silent about it.
@@ -92,6 +95,14 @@ impl Imported {
 /// Whatever is wrong with the file or the overrides, with its place; names of shipped scenes that are close to an
 /// unknown `name`.
 pub fn load(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
+    let imported = load_any(name, options)?;
+    if options.strict_gl {
+        strict::check(&imported)?;
+    }
+    Ok(imported)
+}
+
+fn load_any(name: &str, options: &LoadOptions) -> Result<Imported, Error> {
     let path = Path::new(name);
     // A folder is no scene: `rastray compare whitted -o whitted` must work twice.
     let folder_of_that_name = path.is_dir() && shipped().iter().any(|scene| scene.name == name);

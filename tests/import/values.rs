@@ -491,6 +491,7 @@ fn overrides_fail_as_the_file_does() {
         "whitted",
         &LoadOptions {
             sets: vec!["trace.depth=2".into()],
+            ..LoadOptions::default()
         },
     );
     assert_eq!(whitted.unwrap().scene.trace.depth, 2);

@@ -273,8 +273,5 @@ fn unknown_section(document: &Document, key: &Key, node: &Node) -> Error {
 
 /// The note about a value that real OpenGL refuses.
 pub(crate) fn gl_would_refuse(path: &str, violation: &crate::gl::RangeViolation) -> String {
-    format!(
-        "{path}: GL would refuse {} {} ({}); evaluated all the same",
-        violation.parameter, violation.value, violation.legal
-    )
+    format!("{path}: {}", super::strict::refusal(violation))
 }

@@ -234,10 +234,7 @@ fn convert(parsed: &tobj::Material, doubts: &mut Vec<String>) -> Material {
         front.specular = [0.0; 3];
     }
     for violation in front.range_violations() {
-        doubts.push(format!(
-            "GL would refuse {} {} ({}); evaluated all the same",
-            violation.parameter, violation.value, violation.legal
-        ));
+        doubts.push(crate::import::strict::refusal(&violation));
     }
     material.optics = optics(parsed, illum, ks, doubts);
     material
