@@ -151,7 +151,7 @@ fn heading(term: Term, size: f32) -> Vec<Chunk> {
 fn equation(form: Form, last: Term, size: f32) -> Vec<Chunk> {
     let pieces = pieces(form, last);
     let mut chunks: Vec<Chunk> = Vec::new();
-    for (new, run) in runs(&pieces, true, |t| (t == last).then_some(MARK)) {
+    for (new, run) in runs(&pieces, true, |p| (p.term == Some(last)).then_some(MARK)) {
         for piece in run {
             let color = if new.is_some() { INK } else { GREY };
             let span = Span {

@@ -260,7 +260,10 @@ fn piece(p: &Piece) -> Markup {
 
 /// The equation with local and global parts underlined; the signs between the summands stay plain.
 fn grouped(equation: &[Piece]) -> Markup {
-    let class = |t: Term| Some(if t.is_global() { "global" } else { "local" });
+    let class = |p: &Piece| {
+        let global = p.term.map(Term::is_global);
+        global.map(|global| if global { "global" } else { "local" })
+    };
     html! {
         @for (class, run) in runs(equation, false, class) {
             @match class {
@@ -285,7 +288,7 @@ fn names_of(run: &[Piece]) -> String {
 /// The equation with its last term marked.
 fn marked(equation: &[Piece], last: Term) -> Markup {
     html! {
-        @for (new, run) in runs(equation, true, |t| (t == last).then_some(())) {
+        @for (new, run) in runs(equation, true, |p| (p.term == Some(last)).then_some(())) {
             @if new.is_some() { span.new { @for p in run { (piece(p)) } } }
             @else { @for p in run { (piece(p)) } }
         }
