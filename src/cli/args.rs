@@ -275,6 +275,21 @@ pub(super) struct CompareArgs {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct LectureArgs {
+    /// Scenes of the deck, in order: files, or names of shipped scenes (default: the twenty of the lecture)
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Output folder
+    #[arg(short, long, value_name = "FOLDER", default_value = "lecture")]
+    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) quality: QualityArgs,
+    /// Show the deck in the browser
+    #[arg(long)]
+    pub(super) open: bool,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct InspectArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,

@@ -100,7 +100,7 @@ fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
 }
 
 /// The signed map of a difference.
-fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+pub(super) fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
     let Plane {
         width,
         height,
@@ -233,7 +233,7 @@ impl Comparison<'_> {
 }
 
 /// The command line as it could be typed again.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let quote = |arg: String| {
         let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
         if !arg.is_empty() && arg.chars().all(plain) {

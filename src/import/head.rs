@@ -105,12 +105,18 @@ mod tests {
 
     #[test]
     fn no_question_mark_and_other_line_ends_are_understood() {
-        let head = Head::of("a.toml", "#A title\r\n# of two lines.\r\n#\r\n#term:sum\r\nx = 1");
+        let head = Head::of(
+            "a.toml",
+            "#A title\r\n# of two lines.\r\n#\r\n#term:sum\r\nx = 1",
+        );
         assert_eq!(head.question, "A title of two lines.");
         assert_eq!(head.answer, "");
         assert!(head.paragraphs.is_empty());
         assert_eq!(head.terms[0].text, "sum");
-        assert_eq!((head.terms[0].place.line, head.terms[0].place.column), (4, 7));
+        assert_eq!(
+            (head.terms[0].place.line, head.terms[0].place.column),
+            (4, 7)
+        );
     }
 
     #[test]

@@ -97,7 +97,7 @@ impl Form {
 /// A part of the sum over the lights, or of what a light is, that can be spoken of by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Factor {
-    /// Σ_L and its brackets.
+    /// Σ_L, its brackets and the plus between them.
     Sum,
     /// L of N·L.
     ToLight,
@@ -192,8 +192,10 @@ fn direct(list: &mut List, specular: SpecularModel) {
     list.variable(Some(d), "L");
     list.factor = None;
     list.plain(Some(d), ")");
+    list.factor = Some(Factor::Sum);
     list.plain(Some(s), " ");
     list.plain(Some(s), "+ ");
+    list.factor = None;
     list.symbol(s, "K", "S");
     list.plain(Some(s), " (");
     let (left, right) = match specular {
@@ -259,7 +261,8 @@ pub fn light_lines() -> [Vec<Piece>; 2] {
     attenuation(list);
     list.plain(None, "  ");
     list.factor = Some(Factor::SpotCutoff);
-    list.plain(None, "where −");
+    list.plain(None, "where ");
+    list.plain(None, "−");
     list.variable(None, "S");
     list.plain(None, "·");
     list.variable(None, "L");
@@ -430,7 +433,9 @@ mod tests {
                 "gKT IT"
             ]
         );
-        let last = runs(&whole, true, |p| (p.term == Some(Term::Refraction)).then_some(()));
+        let last = runs(&whole, true, |p| {
+            (p.term == Some(Term::Refraction)).then_some(())
+        });
         assert_eq!(
             last.last().map(|(_, run)| text(run)).as_deref(),
             Some("+ KT IT")

@@ -12,6 +12,7 @@
 
 pub mod animation;
 pub mod causes;
+pub mod deck;
 pub mod equation;
 pub mod figures;
 pub mod files;
@@ -23,8 +24,10 @@ pub mod numbers;
 pub mod page;
 pub mod palette;
 pub mod picture;
+pub mod prose;
 mod sections;
 pub mod summary;
 pub mod text;
+pub mod topic;
 
 pub use page::{NamedPlane, Report};
