@@ -81,17 +81,19 @@ pub(super) enum GeometryArg {
     Mesh,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrecisionArg {
     /// 32-bit floats
+    #[default]
     F32,
     /// 64-bit floats, the whole path
     F64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum ModelArg {
     /// Only what the scene requires
+    #[default]
     Required,
     /// Every feature, needed or not: the same bytes, slower
     Full,
@@ -105,8 +107,8 @@ pub(super) enum ClampArg {
     None,
 }
 
-/// How to render: what `render` and `compare` share.
-#[derive(Debug, Args)]
+/// How to render: what `render`, `compare` and `lecture` share.
+#[derive(Debug, Default, Args)]
 pub(super) struct QualityArgs {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH")]
@@ -303,6 +305,9 @@ pub(super) struct ScenesArgs {
     /// Print this scene's file
     #[arg(value_name = "NAME")]
     pub(super) name: Option<String>,
+    /// Draw all shipped scenes, rasterized and traced, small on one .png
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["name", "json"])]
+    pub(super) contact_sheet: Option<PathBuf>,
     /// Print the list as JSON
     #[arg(long)]
     pub(super) json: bool,

@@ -12,6 +12,7 @@ mod options;
 mod progress;
 mod render;
 mod series;
+mod sheet;
 mod show;
 mod watch;
 
@@ -98,11 +99,12 @@ const INSPECT_EXAMPLES: &str = "Examples:
 
 const SCENES_EXAMPLES: &str = "Examples:
   rastray scenes
-  rastray scenes whitted > mine.toml";
+  rastray scenes whitted > mine.toml
+  rastray scenes --contact-sheet scenes.png   all of them, small, on one picture";
 
 const LECTURE_EXAMPLES: &str = "Examples:
   rastray lecture --open                      the whole lecture, 1920x1080, into lecture/
-  rastray lecture 14-shadow 15-mirror whitted -o mirrors --size 1280x720
+  rastray lecture 14-shadow 15-mirror whitted -o mirrors
   rastray lecture mine.toml -o mine           one's own scenes
 
 The comment at the head of a .toml scene is shown: its first paragraph is the question and its answer,
@@ -134,7 +136,10 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::render(args, verbosity),
         Command::Compare(args) => compare::compare(args, verbosity),
         Command::Inspect(args) => commands::inspect(args),
-        Command::Scenes(args) => commands::scenes(args),
+        Command::Scenes(args) => match &args.contact_sheet {
+            Some(path) => sheet::contact_sheet(path, verbosity),
+            None => commands::scenes(args),
+        },
         Command::Lecture(args) => lecture::lecture(args, verbosity),
         Command::Schema => commands::schema(),
         Command::Completions(args) => commands::completions(args, Cli::command()),

@@ -237,6 +237,11 @@ fn draw_picture(pixmap: &mut Pixmap, picture: &Picture, x: usize, y: usize) {
         [x - 1, y - 1, picture.width + 2, picture.height + 2],
         HAIR,
     );
+    copy(pixmap, picture, x, y);
+}
+
+/// Copies the pixels, unchanged, to a place where they fit.
+pub(super) fn copy(pixmap: &mut Pixmap, picture: &Picture, x: usize, y: usize) {
     let stride = 4 * pixmap.width() as usize;
     let data = pixmap.data_mut();
     for (row, pixels) in picture.pixels.chunks_exact(picture.width).enumerate() {

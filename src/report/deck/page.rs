@@ -79,8 +79,8 @@ impl Deck {
                     ol style={ "--rows:" (self.entries.len().div_ceil(2)) } {
                         @for entry in &self.entries {
                             li { a href={ "#" (entry.stem) } {
-                                (prose::html(entry.title()))
-                                @if !entry.topics.0.is_empty() { span { (entry.topics.names()) } }
+                                span { (prose::html(entry.title())) }
+                                span.about { (about(&entry.topics)) }
                             } }
                         }
                     }
@@ -98,6 +98,14 @@ fn title(slides: usize) -> String {
     match slides {
         1 => "One equation, one question".to_owned(),
         n => format!("One equation, {n} questions"),
+    }
+}
+
+/// The words of one or two topics, else their number.
+fn about(topics: &Topics) -> String {
+    match topics.0.len() {
+        0..=2 => topics.names(),
+        n => format!("{n} terms"),
     }
 }
 
