@@ -125,6 +125,18 @@
     show(index, true);
   });
   addEventListener("resize", fit);
+  // On paper all three pictures stand side by side, in the light.
+  let before = [];
+  addEventListener("beforeprint", () => {
+    before = [body.dataset.view, root.dataset.theme];
+    root.dataset.theme = "light";
+    look("all");
+  });
+  addEventListener("afterprint", () => {
+    if (before[1]) root.dataset.theme = before[1];
+    else delete root.dataset.theme;
+    look(before[0]);
+  });
   now = read();
   look(body.dataset.view);
   show(now, false);

@@ -45,7 +45,7 @@ impl Deck {
 
 /// A figure: the pictures side by side, the equation, the caption.
 fn figure(entry: &Entry) -> String {
-    let mut out = String::from("\n\\begin{figure}\n  \\centering\n");
+    let mut out = String::from("\n\\begin{figure}[htbp]\n  \\centering\n");
     let include = |kind: &str| {
         let file = entry.file(kind);
         format!("  \\includegraphics[width=0.325\\linewidth]{{{file}}}")

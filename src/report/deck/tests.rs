@@ -165,7 +165,7 @@ fn latex_is_escaped_and_lights_the_terms() {
         escaped.matches(open).count() as i64 - escaped.matches(close).count() as i64
     };
     assert_eq!(balance('{', '}'), 0);
-    assert_eq!(tex.matches("\\begin{figure}").count(), 2);
+    assert_eq!(tex.matches("\\begin{figure}[htbp]").count(), 2);
     assert!(
         tex.lines()
             .next()
