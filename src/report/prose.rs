@@ -1,8 +1,8 @@
 //! Sentences with symbols in them, as the comments of scenes write them: `K_T`, `cos^n`, `N.L`.
 //!
 //! In: plain text. Out: the same with its symbols told apart ([`Bit`]), and as HTML, Markdown, LaTeX and spans, each
-//! escaped as its format needs. Only what cannot be meant otherwise is a symbol: one letter with a subscript of one or
-//! two, a power of letters and digits, a dot between two single capitals.
+//! escaped as its format needs. Only what cannot be meant otherwise is a symbol: one capital or n with a subscript of one
+//! or two letters, a power of letters and digits, a dot between the letters of two of the equation's vectors.
 
 use std::fmt::Write;
 
@@ -87,13 +87,14 @@ fn symbol(rest: &str) -> Option<(Bit<'_>, usize)> {
     let (second, after) = tail.split_at(end);
     let more = after.starts_with(|c: char| c.is_alphanumeric() || c == '_')
         || after.starts_with('.') && after[1..].starts_with(|c: char| c.is_alphanumeric());
-    let capital = |s: &str| s.len() == 1 && s.as_bytes()[0].is_ascii_uppercase();
+    let quantity = letter == "n" || letter.as_bytes()[0].is_ascii_uppercase();
+    let vector = |s: &str| ["N", "L", "V", "R", "H", "S", "D"].contains(&s);
     match sign {
         _ if more => None,
-        "_" if (1..=2).contains(&second.len()) => {
+        "_" if quantity && (1..=2).contains(&second.len()) => {
             Some((Bit::Symbol(letter, second), 2 + second.len()))
         }
-        "." if capital(letter) && capital(second) => Some((Bit::Product(letter, second), 3)),
+        "." if vector(letter) && vector(second) => Some((Bit::Product(letter, second), 3)),
         _ => None,
     }
 }

@@ -4,7 +4,8 @@
 //! of one size, which lie over each other pixel by pixel where they are pictures (`NAME-raster.png`, `-trace.png`,
 //! `-difference.png`), and `NAME-equation.png`, where the scene's terms are lit; what the deck keeps of it is an
 //! [`Entry`], small enough to hold many. The entries together give `figures.md`, `figures.tex` and `index.html`, a deck
-//! that needs no other file. Measured (2026-11, twenty scenes at 1920 x 1080): see README.
+//! that needs no other file. Measured (2026-11, twenty scenes at 1920 x 1080, 4 samples): 80 pictures of 11 MB together,
+//! a page of 6 MB, 180 s of processor time, nearly all of it for rendering.
 
 mod latex;
 mod markdown;
