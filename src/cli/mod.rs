@@ -24,7 +24,7 @@ use args::{
     CompareArgs, CompletionsArgs, Global, InspectArgs, LectureArgs, RenderArgs, ScenesArgs,
 };
 
-/// One scene, rasterized as OpenGL lights it and ray traced as Whitted did, and every difference explained.
+/// One scene, rasterized as OpenGL lights it and ray traced as Whitted did, every difference explained.
 #[derive(Debug, Parser)]
 #[command(
     name = "rastray",
