@@ -48,12 +48,13 @@ fn error(folder: &Path, args: &[&str]) -> String {
 }
 
 /// The program itself, and its commands.
-const COMMANDS: [&str; 7] = [
+const COMMANDS: [&str; 8] = [
     "",
     "render",
     "compare",
     "inspect",
     "scenes",
+    "lecture",
     "schema",
     "completions",
 ];
@@ -87,7 +88,7 @@ fn every_example_of_the_help_runs() {
             // A watch would not end, and nothing should be shown here: both have tests of their own.
             args.retain(|arg| !matches!(*arg, "--watch" | "--open"));
             // Small pictures: what is tested is that the line works.
-            if matches!(args[0], "render" | "compare") && !args.contains(&"--size") {
+            if matches!(args[0], "render" | "compare" | "lecture") && !args.contains(&"--size") {
                 args.extend(["--size", "64x48"]);
             }
             ok(folder.path(), &args);
@@ -291,6 +292,15 @@ fn bad_flags_are_named() {
         (&["render", "whitted", "--watch"], "rastray scenes whitted"),
         (&["compare", "whitted", "--watch"], "rastray scenes whitted"),
         (&["completions", "bsh"], "bash"),
+        (&["lecture", "wihtted"], "whitted"),
+        (&["lecture", "--size", "9"], "--size"),
+        (&["lecture", "--samples", "0"], "--samples"),
+        (&["scenes", "--contact-sheet", "a.exr"], ".png"),
+        (&["scenes", "--contact-sheet", "no/a.png"], "no/a.png"),
+        (
+            &["scenes", "whitted", "--contact-sheet", "a.png"],
+            "--contact-sheet",
+        ),
     ] {
         let message = error(folder.path(), args);
         assert!(
@@ -656,4 +666,107 @@ fn a_watch_draws_again_and_survives_a_broken_file() {
     assert!(kept == plain);
     assert!(mended.contains("mine.png"), "{mended}");
     assert!(changed != plain);
+}
+
+/// Width and height of a PNG, from its header.
+fn png_size(path: &Path) -> (u32, u32) {
+    let bytes = std::fs::read(path).expect("written");
+    let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    (number(16), number(20))
+}
+
+#[test]
+fn a_lecture_leaves_what_it_promises() {
+    let folder = folder();
+    let mine = "# Is 100% of a_b & <c> here? Yes, K_D is.\n#\n# Look.\n#\n# term: diffuse, spot cutoff\n\n\
+                [light.key]\nposition = [1, 2, 3]\n[object.ball]\nshape = \"sphere\"\n";
+    std::fs::write(folder.path().join("my scene.toml"), mine).expect("writable");
+    let args = [
+        "lecture",
+        "14-shadow",
+        "my scene.toml",
+        "--size",
+        "96x54",
+        "-o",
+        "deck",
+    ];
+    ok(folder.path(), &args);
+    let deck = folder.path().join("deck");
+    let mut wanted = vec![
+        "figures.md".into(),
+        "figures.tex".into(),
+        "index.html".into(),
+    ];
+    for scene in ["14-shadow", "my_scene"] {
+        for kind in ["raster", "trace", "difference", "equation"] {
+            let name = format!("{scene}-{kind}.png");
+            assert_eq!(png_size(&deck.join(&name)), (96, 54), "{name}");
+            wanted.push(name);
+        }
+    }
+    wanted.sort();
+    assert_eq!(names(&deck), wanted);
+    let read = |name: &str| std::fs::read_to_string(deck.join(name)).expect("written");
+    let (md, tex, page) = (read("figures.md"), read("figures.tex"), read("index.html"));
+    for picture in wanted.iter().filter(|name| name.ends_with(".png")) {
+        assert!(md.contains(&format!("]({picture})")), "{picture}");
+        assert!(tex.contains(&format!("{{{picture}}}")), "{picture}");
+    }
+    assert!(tex.contains("Is 100\\% of a\\_b \\& \\textless{}c\\textgreater{} here?"));
+    assert!(
+        tex.contains("\\rastraylit{S_{L}}") && tex.contains("\\rastraylit{K_{D} (N \\cdot L)}")
+    );
+    assert!(page.contains("Is 100% of a_b &amp; &lt;c&gt; here?"));
+    assert!(!page.contains("http") && page.matches("src=\"data:image/png").count() == 6);
+}
+
+#[test]
+fn the_pictures_of_a_lecture_are_those_of_render() {
+    let folder = folder();
+    let size = ["--size", "64x36", "--samples", "4"];
+    ok(
+        folder.path(),
+        &[&["lecture", "15-mirror"][..], &size].concat(),
+    );
+    for mode in ["raster", "trace"] {
+        let render = ["render", "15-mirror", "--mode", mode, "-o", "a.png"];
+        ok(folder.path(), &[&render[..], &size].concat());
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
+        assert!(read("a.png") == read(&format!("lecture/15-mirror-{mode}.png")));
+    }
+    // Again into the same folder: the same files, and nothing beside them.
+    let before = names(&folder.path().join("lecture"));
+    ok(
+        folder.path(),
+        &[&["lecture", "15-mirror"][..], &size].concat(),
+    );
+    assert_eq!(names(&folder.path().join("lecture")), before);
+    assert_eq!(before.len(), 7);
+}
+
+#[test]
+fn a_wrong_term_has_its_place_and_leaves_nothing() {
+    let folder = folder();
+    let scene = "# Why? So.\n# term: diffuse, glow\n[object.ball]\nshape = \"sphere\"\n";
+    std::fs::write(folder.path().join("bad.toml"), scene).expect("writable");
+    // The scene before it is not drawn either.
+    let message = error(folder.path(), &["lecture", "01-point-light", "bad.toml"]);
+    assert!(message.contains("bad.toml:2:18"), "{message}");
+    assert!(
+        message.contains("^^^^") && message.contains("shininess"),
+        "{message}"
+    );
+}
+
+#[test]
+fn the_contact_sheet_holds_all_scenes() {
+    let folder = folder();
+    ok(folder.path(), &["scenes", "--contact-sheet", "a.png"]);
+    let (width, height) = png_size(&folder.path().join("a.png"));
+    assert!(
+        (1500..1700).contains(&width) && height > 1500,
+        "{width} x {height}"
+    );
+    assert_eq!(names(folder.path()), ["a.png"]);
 }

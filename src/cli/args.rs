@@ -84,17 +84,19 @@ pub(super) enum GeometryArg {
     Mesh,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrecisionArg {
     /// 32-bit floats
+    #[default]
     F32,
     /// 64-bit floats, the whole path
     F64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum ModelArg {
     /// Only what the scene requires
+    #[default]
     Required,
     /// Every feature, needed or not: the same bytes, slower
     Full,
@@ -108,8 +110,8 @@ pub(super) enum ClampArg {
     None,
 }
 
-/// How to render: what `render` and `compare` share.
-#[derive(Debug, Args)]
+/// How to render: what `render`, `compare` and `lecture` share.
+#[derive(Debug, Default, Args)]
 pub(super) struct QualityArgs {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH")]
@@ -278,6 +280,21 @@ pub(super) struct CompareArgs {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct LectureArgs {
+    /// Scenes of the deck, in order: files, or names of shipped scenes (default: the twenty of the lecture)
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Output folder
+    #[arg(short, long, value_name = "FOLDER", default_value = "lecture")]
+    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) quality: QualityArgs,
+    /// Show the deck in the browser
+    #[arg(long)]
+    pub(super) open: bool,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct InspectArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -291,6 +308,9 @@ pub(super) struct ScenesArgs {
     /// Print this scene's file
     #[arg(value_name = "NAME")]
     pub(super) name: Option<String>,
+    /// Draw all shipped scenes, rasterized and traced, small on one .png
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["name", "json"])]
+    pub(super) contact_sheet: Option<PathBuf>,
     /// Print the list as JSON
     #[arg(long)]
     pub(super) json: bool,

@@ -105,7 +105,7 @@ fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
 }
 
 /// The signed map of a difference.
-fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
+pub(super) fn signed(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
     let Plane {
         width,
         height,
@@ -142,7 +142,7 @@ impl Comparison<'_> {
         Ok(Report {
             title: self.imported.scene.name.clone(),
             command: command_line(),
-            form: self.form(),
+            form: Form::of(&self.imported.scene),
             view,
             raster: to_f32(&self.ladder.rungs[0]),
             trace: to_f32(&self.ladder.rungs[9]),
@@ -187,16 +187,6 @@ impl Comparison<'_> {
         let sums = (0..4).map(|kinds| partial_sum(local, lights, kinds));
         let traced = [6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung]));
         Term::ALL.into_iter().zip(sums.chain(traced)).collect()
-    }
-
-    /// How this scene writes the equation: its specular form, and whether every mirror weight is K_S.
-    fn form(&self) -> Form {
-        let scene = &self.imported.scene;
-        let mut mirrors = scene.materials.iter().filter(|m| m.optics.is_mirror());
-        Form {
-            specular: scene.light_model.specular_model,
-            mirror_is_specular: mirrors.all(|m| m.optics.reflection == m.front.specular),
-        }
     }
 
     /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.
@@ -248,7 +238,7 @@ impl Comparison<'_> {
 }
 
 /// The command line as it could be typed again.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let quote = |arg: String| {
         let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
         if !arg.is_empty() && arg.chars().all(plain) {

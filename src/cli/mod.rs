@@ -7,10 +7,12 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+mod lecture;
 mod options;
 mod progress;
 mod render;
 mod series;
+mod sheet;
 mod show;
 mod watch;
 
@@ -18,9 +20,11 @@ use std::process::ExitCode;
 
 use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 
-use args::{CompareArgs, CompletionsArgs, Global, InspectArgs, RenderArgs, ScenesArgs};
+use args::{
+    CompareArgs, CompletionsArgs, Global, InspectArgs, LectureArgs, RenderArgs, ScenesArgs,
+};
 
-/// One scene, rasterized as OpenGL lights it and ray traced as Whitted did, and every difference explained.
+/// One scene, rasterized as OpenGL lights it and ray traced as Whitted did, every difference explained.
 #[derive(Debug, Parser)]
 #[command(
     name = "rastray",
@@ -62,6 +66,9 @@ enum Command {
     /// List the shipped scenes, or print one to start one's own from
     #[command(after_long_help = SCENES_EXAMPLES)]
     Scenes(ScenesArgs),
+    /// Make the deck of a lecture: pictures for slides, captions, and a page to present from
+    #[command(after_long_help = LECTURE_EXAMPLES)]
+    Lecture(LectureArgs),
     /// Print the JSON Schema of the scene file, for editors
     #[command(after_long_help = SCHEMA_EXAMPLES)]
     Schema,
@@ -92,7 +99,21 @@ const INSPECT_EXAMPLES: &str = "Examples:
 
 const SCENES_EXAMPLES: &str = "Examples:
   rastray scenes
-  rastray scenes whitted > mine.toml";
+  rastray scenes whitted > mine.toml
+  rastray scenes --contact-sheet scenes.png   all of them, small, on one picture";
+
+const LECTURE_EXAMPLES: &str = "Examples:
+  rastray lecture --open                      the whole lecture, 1920x1080, into lecture/
+  rastray lecture 14-shadow 15-mirror whitted -o mirrors
+  rastray lecture mine.toml -o mine           one's own scenes
+
+The comment at the head of a .toml scene is shown: its first paragraph is the question and its answer,
+further ones are notes, and the line `# term: diffuse` says what is lit in the equation: emission, ambient,
+diffuse, specular, shadow, reflection, refraction, shininess, sum, point light, directional light,
+attenuation, spot cutoff, spot exponent; several with commas.
+
+Keys in index.html: arrows, space, Page Up and Down, Home, End; 0 side by side, 1 raster, 2 trace,
+3 difference, W wipe; N notes, L light or dark, F full screen.";
 
 const SCHEMA_EXAMPLES: &str = "Examples:
   rastray schema > rastray.schema.json";
@@ -115,7 +136,11 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::render(args, verbosity),
         Command::Compare(args) => compare::compare(args, verbosity),
         Command::Inspect(args) => commands::inspect(args),
-        Command::Scenes(args) => commands::scenes(args),
+        Command::Scenes(args) => match &args.contact_sheet {
+            Some(path) => sheet::contact_sheet(path, verbosity),
+            None => commands::scenes(args),
+        },
+        Command::Lecture(args) => lecture::lecture(args, verbosity),
         Command::Schema => commands::schema(),
         Command::Completions(args) => commands::completions(args, Cli::command()),
     });

@@ -15,7 +15,7 @@ use rastray::scene::assembly::Assembly;
 use rastray::{raster, trace};
 use serde_json::{Value, json};
 
-use super::args::{ClampArg, GeometryArg, ModeArg, PrecisionArg, RenderArgs};
+use super::args::{ClampArg, GeometryArg, ModeArg, PrecisionArg, QualityArgs, RenderArgs};
 use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
 use super::series::Series;
@@ -180,6 +180,30 @@ pub(super) fn shoot(
         isa,
         done,
     })
+}
+
+/// A picture of a scene as its PNG would hold it, still in float: GL's clamps, exact shapes where it is traced.
+pub(super) fn picture(
+    scene: &Scene,
+    mode: ModeArg,
+    args: &QualityArgs,
+    quality: &Quality,
+) -> Result<Plane<[f32; 3]>, Error> {
+    let job = Job {
+        mode,
+        geometry: trace::Geometry::Exact,
+        clamp: true,
+        layers: false,
+        shadows: !args.no_shadows,
+        reflection: !args.no_reflection,
+        refraction: !args.no_refraction,
+        quality: quality.clone(),
+    };
+    let done = match args.precision {
+        PrecisionArg::F32 => draw::<f32>(scene, &job)?,
+        PrecisionArg::F64 => draw::<f64>(scene, &job)?,
+    };
+    Ok(done.color)
 }
 
 /// Times and counters of a render.

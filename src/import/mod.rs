@@ -12,6 +12,7 @@
 //! ```
 
 mod document;
+mod head;
 mod include;
 pub mod keys;
 mod lexer;
@@ -29,6 +30,7 @@ pub mod text;
 
 use std::path::{Path, PathBuf};
 
+pub use head::{Head, Word};
 pub use keys::{MAX_PIXELS, MAX_SIDE};
 pub use schema::schema;
 pub use shipped::{Shipped, shipped};
@@ -72,6 +74,8 @@ pub struct Imported {
     pub files: Vec<PathBuf>,
     /// What of the camera was fitted.
     pub fitted: Fitted,
+    /// What the comment at the head of a `.toml` scene says; empty for other formats.
+    pub head: Head,
     /// Half of the picture's width at distance 1, where the file states the horizontal angle instead of the vertical
     /// one (.scn).
     pub half_width: Option<f64>,
@@ -158,9 +162,11 @@ fn load_toml(
     stem: &str,
     options: &LoadOptions,
 ) -> Result<Imported, Error> {
+    let head = Head::of(file, &text);
     let document = Document::parse(file, text, &home, &options.sets)?;
     let read = native::read(&document, &home, Contents::default())?;
-    Ok(imported(read, Vec::new(), file, home, stem))
+    let imported = imported(read, Vec::new(), file, home, stem);
+    Ok(Imported { head, ..imported })
 }
 
 fn load_obj(
@@ -215,6 +221,7 @@ fn imported(
         source: source.to_owned(),
         files: home.files(),
         fitted: read.fitted,
+        head: Head::default(),
         half_width: read.half_width,
     }
 }

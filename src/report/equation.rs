@@ -4,6 +4,7 @@
 //! The rasterizer computes the terms up to specular; S_L, I_R and I_T exist only in the tracer.
 
 use crate::gl::SpecularModel;
+use crate::scene::Scene;
 
 /// The terms in the order in which the picture grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -82,6 +83,40 @@ pub struct Form {
     pub mirror_is_specular: bool,
 }
 
+impl Form {
+    /// How a scene writes the equation: its specular form, and whether every mirror weight is K_S.
+    pub fn of(scene: &Scene) -> Self {
+        let mut mirrors = scene.materials.iter().filter(|m| m.optics.is_mirror());
+        Self {
+            specular: scene.light_model.specular_model,
+            mirror_is_specular: mirrors.all(|m| m.optics.reflection == m.front.specular),
+        }
+    }
+}
+
+/// A part of the sum over the lights, or of what a light is, that can be spoken of by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factor {
+    /// Σ_L, its brackets and the plus between them.
+    Sum,
+    /// L of N·L.
+    ToLight,
+    /// The exponent n.
+    Exponent,
+    /// I_L.
+    Light,
+    /// L of a light source with a position.
+    Position,
+    /// L of a light source with a direction only.
+    Direction,
+    /// 1 / (c + l d + q d^2).
+    Attenuation,
+    /// Where a spot light shines at all.
+    SpotCutoff,
+    /// The power of the cosine to the spot's axis.
+    SpotExponent,
+}
+
 /// Where a piece stands relative to the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Script {
@@ -104,16 +139,15 @@ pub struct Piece {
     pub variable: bool,
     /// The term that it came with; none for `I =`.
     pub term: Option<Term>,
+    /// The part that it belongs to, where that can be spoken of by itself.
+    pub factor: Option<Factor>,
     /// A line may break before it.
     pub breaks: bool,
 }
 
 /// The equation as it stands once `last` has been added.
 pub fn pieces(form: Form, last: Term) -> Vec<Piece> {
-    let mut list = List {
-        pieces: Vec::new(),
-        last,
-    };
+    let mut list = List::new(last);
     list.variable(None, "I");
     list.plain(None, " = ");
     let e = Term::Emission;
@@ -144,18 +178,24 @@ pub fn pieces(form: Form, last: Term) -> Vec<Piece> {
 fn direct(list: &mut List, specular: SpecularModel) {
     let (d, s, shadow) = (Term::Diffuse, Term::Specular, Term::Shadow);
     list.join(d);
+    list.factor = Some(Factor::Sum);
     list.push(Some(d), "Σ", Script::Base, false);
     list.push(Some(d), "L", Script::Sub, true);
     list.plain(Some(d), " ");
     list.plain(Some(s), "(");
+    list.factor = None;
     list.symbol(d, "K", "D");
     list.plain(Some(d), " (");
     list.variable(Some(d), "N");
     list.plain(Some(d), "·");
+    list.factor = Some(Factor::ToLight);
     list.variable(Some(d), "L");
+    list.factor = None;
     list.plain(Some(d), ")");
+    list.factor = Some(Factor::Sum);
     list.plain(Some(s), " ");
     list.plain(Some(s), "+ ");
+    list.factor = None;
     list.symbol(s, "K", "S");
     list.plain(Some(s), " (");
     let (left, right) = match specular {
@@ -166,21 +206,103 @@ fn direct(list: &mut List, specular: SpecularModel) {
     list.plain(Some(s), "·");
     list.variable(Some(s), right);
     list.plain(Some(s), ")");
+    list.factor = Some(Factor::Exponent);
     list.push(Some(s), "n", Script::Sup, true);
+    list.factor = Some(Factor::Sum);
     list.plain(Some(s), ")");
+    list.factor = None;
     list.plain(Some(shadow), " ");
     list.symbol(shadow, "S", "L");
     list.plain(Some(d), " ");
+    list.factor = Some(Factor::Light);
     list.symbol(d, "I", "L");
+    list.factor = None;
+}
+
+/// What L and I_L are, in two lines: what the light sources of OpenGL and of the lecture have in common.
+///
+/// P is the point, P_L the light's place, d their distance, D the direction in which a directional light travels, S a
+/// spot's axis, e its exponent and γ its cutoff.
+pub fn light_lines() -> [Vec<Piece>; 2] {
+    let mut to_light = List::new(Term::Refraction);
+    let list = &mut to_light;
+    list.variable(None, "L");
+    list.plain(None, " = ");
+    list.factor = Some(Factor::Position);
+    list.plain(None, "(");
+    list.variable(None, "P");
+    list.push(None, "L", Script::Sub, true);
+    list.plain(None, " − ");
+    list.variable(None, "P");
+    list.plain(None, ") / ");
+    list.variable(None, "d");
+    list.factor = None;
+    list.plain(None, "  or  ");
+    list.factor = Some(Factor::Direction);
+    list.plain(None, "−");
+    list.variable(None, "D");
+    let mut light = List::new(Term::Refraction);
+    let list = &mut light;
+    list.variable(None, "I");
+    list.push(None, "L", Script::Sub, true);
+    list.plain(None, " = ");
+    list.variable(None, "I");
+    list.push(None, "0", Script::Sub, false);
+    list.plain(None, " ");
+    list.factor = Some(Factor::SpotExponent);
+    list.plain(None, "(−");
+    list.variable(None, "S");
+    list.plain(None, "·");
+    list.variable(None, "L");
+    list.plain(None, ")");
+    list.push(None, "e", Script::Sup, true);
+    list.factor = None;
+    list.plain(None, " ");
+    attenuation(list);
+    list.plain(None, "  ");
+    list.factor = Some(Factor::SpotCutoff);
+    list.plain(None, "where ");
+    list.plain(None, "−");
+    list.variable(None, "S");
+    list.plain(None, "·");
+    list.variable(None, "L");
+    list.plain(None, " ≥ cos ");
+    list.variable(None, "γ");
+    list.plain(None, ", else 0");
+    [to_light.pieces, light.pieces]
+}
+
+/// / (c + l d + q d^2).
+fn attenuation(list: &mut List) {
+    list.factor = Some(Factor::Attenuation);
+    list.plain(None, "/ (");
+    list.variable(None, "c");
+    list.plain(None, " + ");
+    list.variable(None, "l d");
+    list.plain(None, " + ");
+    list.variable(None, "q d");
+    list.push(None, "2", Script::Sup, false);
+    list.plain(None, ")");
+    list.factor = None;
 }
 
 /// The pieces so far; pieces of later terms are dropped.
 struct List {
     pieces: Vec<Piece>,
     last: Term,
+    /// What the next pieces belong to.
+    factor: Option<Factor>,
 }
 
 impl List {
+    fn new(last: Term) -> Self {
+        Self {
+            pieces: Vec::new(),
+            last,
+            factor: None,
+        }
+    }
+
     fn push(&mut self, term: Option<Term>, text: &'static str, script: Script, variable: bool) {
         if term.is_none_or(|t| t <= self.last) {
             self.pieces.push(Piece {
@@ -188,6 +310,7 @@ impl List {
                 script,
                 variable,
                 term,
+                factor: self.factor,
                 breaks: false,
             });
         }
@@ -223,11 +346,11 @@ impl List {
 pub fn runs<K: PartialEq + Copy>(
     pieces: &[Piece],
     signs: bool,
-    key: impl Fn(Term) -> Option<K>,
+    key: impl Fn(&Piece) -> Option<K>,
 ) -> Vec<(Option<K>, &[Piece])> {
     let own = |i: usize| -> Option<K> {
         let sign = i > 0 && pieces[i - 1].breaks;
-        pieces[i].term.filter(|_| signs || !sign).and_then(&key)
+        key(&pieces[i]).filter(|_| signs || !sign)
     };
     let blank = |i: usize| pieces.get(i).is_none_or(|p| p.text.trim().is_empty());
     let of = |i: usize| match blank(i) {
@@ -281,7 +404,7 @@ mod tests {
     fn runs_begin_and_end_at_ink() {
         let whole = pieces(LECTURE, Term::Refraction);
         let text = |run: &[Piece]| run.iter().map(|p| p.text).collect::<String>();
-        let global: Vec<String> = runs(&whole, false, |t| Some(t.is_global()))
+        let global: Vec<String> = runs(&whole, false, |p| p.term.map(Term::is_global))
             .iter()
             .map(|(key, run)| {
                 format!(
@@ -310,7 +433,9 @@ mod tests {
                 "gKT IT"
             ]
         );
-        let last = runs(&whole, true, |t| (t == Term::Refraction).then_some(()));
+        let last = runs(&whole, true, |p| {
+            (p.term == Some(Term::Refraction)).then_some(())
+        });
         assert_eq!(
             last.last().map(|(_, run)| text(run)).as_deref(),
             Some("+ KT IT")

@@ -1,16 +1,16 @@
 //! Figures: labelled strips, difference maps with their legend, the equation growing term by term, contact sheets.
 //!
 //! In: pictures and captions. Out: pictures, to be written with [`super::formats::png_of_picture`]. Pictures keep their
-//! pixels, except in overviews ([`buildup`], [`contact_sheet`], and [`strip`] above 1600 pixels a picture), where whole
+//! pixels, except in overviews ([`buildup`], and [`strip`] above 1600 pixels a picture), where whole
 //! blocks of pixels are averaged. Colours are magma and blue, white, orange only.
 
 use crate::error::Error;
 
 use super::causes::NOT_MODELLED;
 use super::equation::{Form, Script, Term, pieces, runs};
-use super::layout::{Cell, Chunk, GREY, INK, MARK, grid, room, words};
+use super::layout::{Cell, Chunk, GREY, INK, MARK, copy, grid, opaque, paper, room, words};
 use super::picture::Picture;
-use super::text::{Face, Span};
+use super::text::{self, Face, Span};
 
 /// A picture with its caption.
 #[derive(Clone, Copy, Debug)]
@@ -59,16 +59,58 @@ pub fn map(panel: Panel) -> Result<Picture, Error> {
     )
 }
 
-/// Pictures in rows, each near `width` pixels wide.
-pub fn contact_sheet(panels: &[Panel], columns: usize, width: usize) -> Result<Picture, Error> {
-    let small: Vec<Picture> = panels.iter().map(|p| p.picture.near_width(width)).collect();
-    let unit = unit_for(small.iter().map(|p| p.width).max().unwrap_or(0));
-    let cells: Vec<Cell> = small
-        .iter()
-        .zip(panels)
-        .map(|(picture, p)| captioned(picture, p.title, p.note, unit))
-        .collect();
-    grid(&cells, columns, unit)
+/// Two pictures side by side as one, with a little paper between them; the second is cut to the height of the first.
+pub fn pair(left: &Picture, right: &Picture) -> Picture {
+    let gap = (left.width / 48).max(1);
+    let rows = left.pixels.chunks_exact(left.width.max(1));
+    let others = right.pixels.chunks_exact(right.width.max(1));
+    let mut pixels = Vec::new();
+    for (a, b) in rows.zip(others) {
+        pixels.extend_from_slice(a);
+        pixels.extend(std::iter::repeat_n([255; 3], gap));
+        pixels.extend_from_slice(b);
+    }
+    Picture {
+        width: left.width + gap + right.width,
+        height: left.height.min(right.height),
+        pixels,
+        scale: None,
+    }
+}
+
+/// Groups of pictures below each other, each with its heading and `columns` pictures to a row.
+pub fn contact_sheet(groups: &[(&str, Vec<Panel>)], columns: usize) -> Result<Picture, Error> {
+    let pictures = || groups.iter().flat_map(|(_, panels)| panels);
+    let unit = unit_for(pictures().map(|p| p.picture.width).max().unwrap_or(0));
+    let mut rows = Vec::new();
+    for (heading, panels) in groups {
+        let cells: Vec<Cell> = panels
+            .iter()
+            .map(|p| captioned(p.picture, p.title, p.note, unit))
+            .collect();
+        rows.push((*heading, grid(&cells, columns, unit)?));
+    }
+    stacked(&rows, unit)
+}
+
+/// Pictures below each other with their headings, if they have one.
+fn stacked(rows: &[(&str, Picture)], unit: f32) -> Result<Picture, Error> {
+    let room = |heading: &str| match heading {
+        "" => 0,
+        _ => (2.0 * unit) as usize,
+    };
+    let width = rows.iter().map(|(_, p)| p.width).max().unwrap_or(1);
+    let height = rows.iter().map(|(h, p)| room(h) + p.height).sum::<usize>();
+    let mut sheet = paper(width, height.max(1))?;
+    let mut y = 0;
+    for (heading, picture) in rows {
+        let title = Span::new(*heading, Face::SemiBold, 1.4 * unit, INK);
+        text::draw(&mut sheet, &[title], 1.1 * unit, y as f32 + 1.7 * unit);
+        y += room(heading);
+        copy(&mut sheet, picture, 0, y);
+        y += picture.height;
+    }
+    Ok(opaque(&sheet))
 }
 
 /// The equation growing: four steps to a row, each picture under the equation as far as it goes, the new term marked.
@@ -151,7 +193,7 @@ fn heading(term: Term, size: f32) -> Vec<Chunk> {
 fn equation(form: Form, last: Term, size: f32) -> Vec<Chunk> {
     let pieces = pieces(form, last);
     let mut chunks: Vec<Chunk> = Vec::new();
-    for (new, run) in runs(&pieces, true, |t| (t == last).then_some(MARK)) {
+    for (new, run) in runs(&pieces, true, |p| (p.term == Some(last)).then_some(MARK)) {
         for piece in run {
             let color = if new.is_some() { INK } else { GREY };
             let span = Span {
@@ -271,9 +313,32 @@ mod tests {
     }
 
     #[test]
+    fn a_contact_sheet_holds_every_pair_of_every_group() {
+        let (a, b) = (flat(30, 20, [1, 2, 3]), flat(30, 20, [9, 8, 7]));
+        let both = pair(&a, &b);
+        assert_eq!(
+            (both.width, both.height, both.pixels.len()),
+            (61, 20, 61 * 20)
+        );
+        assert_eq!(both.pixels[29..32], [[1, 2, 3], [255; 3], [9, 8, 7]]);
+        let panel = Panel {
+            picture: &both,
+            title: "a scene",
+            note: "",
+        };
+        let groups = [("", vec![panel; 2]), ("lecture", vec![panel; 5])];
+        let sheet = contact_sheet(&groups, 3).unwrap();
+        assert_eq!(count(&sheet, [1, 2, 3]), 7 * 30 * 20);
+        assert_eq!(count(&sheet, [9, 8, 7]), 7 * 30 * 20);
+        let plain = contact_sheet(&[("", vec![panel; 2]), ("", vec![panel; 5])], 3).unwrap();
+        assert!(sheet.height > plain.height && sheet.width == plain.width);
+    }
+
+    #[test]
     fn no_pictures_make_an_empty_figure_not_a_panic() {
         assert!(strip(&[]).is_ok());
         assert!(buildup(&[], FORM).is_ok());
-        assert!(contact_sheet(&[], 0, 0).is_ok());
+        assert!(contact_sheet(&[], 0).is_ok());
+        assert!(contact_sheet(&[("", Vec::new())], 0).is_ok());
     }
 }

@@ -9,6 +9,7 @@
 
 use std::path::Path;
 
+use rastray_compare::Map;
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -22,8 +23,12 @@ use super::page::Report;
 use super::picture::Picture;
 use super::sections::capital;
 
+/// What the rasterized picture is.
+pub(super) const RASTER_NOTE: &str = "OpenGL's fixed-function lighting: every surface on its own";
+/// What the traced picture is.
+pub(super) const TRACE_NOTE: &str = "Whitted's ray tracing: shadows, mirrors and refraction";
 /// What a signed map of the whole difference says below it.
-const DIFFERENCE_NOTE: &str = "trace − raster: orange where the traced picture is brighter, blue where it is darker; 1 = full intensity";
+pub(super) const DIFFERENCE_NOTE: &str = "trace − raster: orange where the traced picture is brighter, blue where it is darker; 1 = full intensity";
 
 /// A file's name, and what makes its bytes.
 type Job<'a> = (String, Encode<'a>);
@@ -104,12 +109,12 @@ impl Report {
             Panel {
                 picture: &raster,
                 title: "raster",
-                note: "OpenGL's fixed-function lighting: every surface on its own",
+                note: RASTER_NOTE,
             },
             Panel {
                 picture: &trace,
                 title: "trace",
-                note: "Whitted's ray tracing: shadows, mirrors and refraction",
+                note: TRACE_NOTE,
             },
             Panel {
                 picture: &difference,
@@ -121,17 +126,7 @@ impl Report {
 
     /// The signed difference and its magnitude, with legends and numbers.
     pub fn difference_figure(&self) -> Result<Picture, Error> {
-        let summary = &self.difference.summary;
-        let numbers = match summary.pixels {
-            0 => "The pictures are identical".to_owned(),
-            n => format!(
-                "{} pixels ({}) differ, at most by {}, rmse {}",
-                count(n),
-                percent(n, self.pixels()),
-                value(summary.max),
-                value(summary.rmse)
-            ),
-        };
+        let numbers = difference_numbers(&self.difference);
         let note = format!("{DIFFERENCE_NOTE}. {numbers}.");
         let signed = Picture::from_map(&self.difference);
         let magnitude = Picture::from_map(&self.error);
@@ -184,6 +179,21 @@ impl Report {
             .map(|(term, picture)| (*term, picture))
             .collect();
         buildup(&steps, self.form)
+    }
+}
+
+/// How much of a picture differs, and by how much; without a full stop.
+pub(super) fn difference_numbers(difference: &Map) -> String {
+    let summary = &difference.summary;
+    match summary.pixels {
+        0 => "The pictures are identical".to_owned(),
+        n => format!(
+            "{} pixels ({}) differ, at most by {}, rmse {}",
+            count(n),
+            percent(n, difference.pixels.len()),
+            value(summary.max),
+            value(summary.rmse)
+        ),
     }
 }
 

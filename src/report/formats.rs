@@ -72,6 +72,20 @@ pub fn png_of_picture(picture: &Picture) -> Result<Vec<u8>, Error> {
     png_bytes(picture.width, picture.height, bytes, FIGURE_TEXT, true)
 }
 
+/// The same in fewer bytes, which takes longer: for what is kept or embedded.
+pub fn png_small(picture: &Picture) -> Result<Vec<u8>, Error> {
+    let bytes = picture.pixels.as_flattened();
+    let small = png::Compression::High;
+    png_with(
+        picture.width,
+        picture.height,
+        bytes,
+        FIGURE_TEXT,
+        true,
+        small,
+    )
+}
+
 /// A PNG file of 8-bit RGB values.
 fn png_bytes(
     width: usize,
@@ -79,6 +93,19 @@ fn png_bytes(
     rgb: &[u8],
     encoding: &str,
     srgb: bool,
+) -> Result<Vec<u8>, Error> {
+    let usual = png::Compression::default();
+    png_with(width, height, rgb, encoding, srgb, usual)
+}
+
+/// [`png_bytes`] with a choice between time and size.
+fn png_with(
+    width: usize,
+    height: usize,
+    rgb: &[u8],
+    encoding: &str,
+    srgb: bool,
+    compression: png::Compression,
 ) -> Result<Vec<u8>, Error> {
     let (Ok(w), Ok(h)) = (u32::try_from(width), u32::try_from(height)) else {
         return Err(Error::limit(format!(
@@ -89,6 +116,7 @@ fn png_bytes(
     let mut encoder = png::Encoder::new(&mut file, w, h);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(compression);
     if srgb {
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     }

@@ -19,7 +19,7 @@ pub(super) const GREY: [u8; 3] = [0x5a, 0x63, 0x6e];
 /// The box behind what is new.
 pub(super) const MARK: [u8; 3] = [0xff, 0xe0, 0xbd];
 /// Lines around pictures.
-const HAIR: [u8; 3] = [0xcf, 0xd4, 0xda];
+pub(super) const HAIR: [u8; 3] = [0xcf, 0xd4, 0xda];
 
 /// Most pixels of a figure: 1 GiB of memory.
 const MAX_PIXELS: usize = 1 << 28;
@@ -55,7 +55,7 @@ pub(super) fn room(size: f32) -> Vec<Chunk> {
 }
 
 /// Sets chunks into lines no wider than `width`; a chunk wider than that gets a line of its own.
-fn wrap(chunks: &[Chunk], width: f32) -> Vec<Vec<Span>> {
+pub(super) fn wrap(chunks: &[Chunk], width: f32) -> Vec<Vec<Span>> {
     let mut lines: Vec<Vec<Span>> = Vec::new();
     let mut used = 0.0;
     for chunk in chunks {
@@ -237,6 +237,11 @@ fn draw_picture(pixmap: &mut Pixmap, picture: &Picture, x: usize, y: usize) {
         [x - 1, y - 1, picture.width + 2, picture.height + 2],
         HAIR,
     );
+    copy(pixmap, picture, x, y);
+}
+
+/// Copies the pixels, unchanged, to a place where they fit.
+pub(super) fn copy(pixmap: &mut Pixmap, picture: &Picture, x: usize, y: usize) {
     let stride = 4 * pixmap.width() as usize;
     let data = pixmap.data_mut();
     for (row, pixels) in picture.pixels.chunks_exact(picture.width).enumerate() {
@@ -292,7 +297,7 @@ fn draw_legend(
 }
 
 /// A tick's number; on signed scales positive numbers carry their sign.
-fn signed_tick(scale: &Scale, value: f64) -> String {
+pub(super) fn signed_tick(scale: &Scale, value: f64) -> String {
     match scale.kind {
         ScaleKind::Signed if value > 0.0 => format!("+{}", tick(value)),
         _ => tick(value),
@@ -300,14 +305,14 @@ fn signed_tick(scale: &Scale, value: f64) -> String {
 }
 
 /// Fills whole pixels `[x, y, width, height]`.
-fn fill(pixmap: &mut Pixmap, [x, y, w, h]: [usize; 4], color: [u8; 3]) {
+pub(super) fn fill(pixmap: &mut Pixmap, [x, y, w, h]: [usize; 4], color: [u8; 3]) {
     if let Some(rect) = Rect::from_xywh(x as f32, y as f32, w as f32, h as f32) {
         pixmap.fill_rect(rect, &text::paint(color), Transform::identity(), None);
     }
 }
 
 /// White paper.
-fn paper(width: usize, height: usize) -> Result<Pixmap, Error> {
+pub(super) fn paper(width: usize, height: usize) -> Result<Pixmap, Error> {
     let too_large = || {
         Error::limit(format!("the figure would be {width} x {height} pixels"))
             .with_help("compare at a smaller --size")
@@ -322,7 +327,7 @@ fn paper(width: usize, height: usize) -> Result<Pixmap, Error> {
 }
 
 /// The pixels of an opaque pixmap.
-fn opaque(pixmap: &Pixmap) -> Picture {
+pub(super) fn opaque(pixmap: &Pixmap) -> Picture {
     Picture {
         width: pixmap.width() as usize,
         height: pixmap.height() as usize,

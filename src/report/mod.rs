@@ -7,11 +7,14 @@
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
 //! - [`folder`]: the files of a comparison, by name.
+//! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
+//!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
 pub mod causes;
+pub mod deck;
 pub mod equation;
 pub mod figures;
 pub mod files;
@@ -23,8 +26,10 @@ pub mod numbers;
 pub mod page;
 pub mod palette;
 pub mod picture;
+pub mod prose;
 mod sections;
 pub mod summary;
 pub mod text;
+pub mod topic;
 
 pub use page::{NamedPlane, Report};

@@ -84,7 +84,7 @@ impl Report {
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="generator" content="rastray";
                     title { (self.title) " · rastray compare" }
-                    style { (PreEscaped(style())) }
+                    style { (PreEscaped(style(include_str!("page.css")))) }
                 }
                 body {
                     header { (self.head()) }
@@ -232,12 +232,22 @@ impl Report {
     }
 }
 
-/// The style sheet with the type in it.
-fn style() -> String {
-    include_str!("page.css")
+/// Colours on white paper; every text has at least 4.5 : 1 against what it stands on.
+const LIGHT: &str = "--paper: #ffffff; --ink: #1b1f24; --grey: #59626d; --line: #e1e5e9; --tint: #f5f7f9; \
+                     --local: #0364b4; --global: #964c04; --mark: #ffe0bd; --bar: #419efe;";
+/// The same in the dark.
+const DARK: &str = "--paper: #14171b; --ink: #e9ebee; --grey: #a4acb6; --line: #2d333a; --tint: #1c2126; \
+                    --local: #80bcfe; --global: #fa9e5d; --mark: #5a3a16; --bar: #0581e6;";
+
+/// A style sheet behind what all pages share: type, colours, the equation.
+pub(super) fn style(own: &str) -> String {
+    let sheet = [include_str!("base.css"), own].concat();
+    sheet
         .replace("@REGULAR@", &BASE64.encode(text::REGULAR))
         .replace("@SEMIBOLD@", &BASE64.encode(text::SEMIBOLD))
         .replace("@ITALIC@", &BASE64.encode(text::ITALIC))
+        .replace("@LIGHT@", LIGHT)
+        .replace("@DARK@", DARK)
 }
 
 /// Mean of all values, rows top to bottom.
@@ -247,7 +257,7 @@ fn mean_value(plane: &Plane<[f32; 3]>) -> f64 {
 }
 
 /// One piece as HTML. A line may break before a sign, not behind it.
-fn piece(p: &Piece) -> Markup {
+pub(super) fn piece(p: &Piece) -> Markup {
     let inner = html! {
         @if p.variable { var { (p.text) } } @else if p.text == "+ " { "+\u{a0}" } @else { (p.text) }
     };
@@ -259,8 +269,11 @@ fn piece(p: &Piece) -> Markup {
 }
 
 /// The equation with local and global parts underlined; the signs between the summands stay plain.
-fn grouped(equation: &[Piece]) -> Markup {
-    let class = |t: Term| Some(if t.is_global() { "global" } else { "local" });
+pub(super) fn grouped(equation: &[Piece]) -> Markup {
+    let class = |p: &Piece| {
+        let global = p.term.map(Term::is_global);
+        global.map(|global| if global { "global" } else { "local" })
+    };
     html! {
         @for (class, run) in runs(equation, false, class) {
             @match class {
@@ -285,7 +298,7 @@ fn names_of(run: &[Piece]) -> String {
 /// The equation with its last term marked.
 fn marked(equation: &[Piece], last: Term) -> Markup {
     html! {
-        @for (new, run) in runs(equation, true, |t| (t == last).then_some(())) {
+        @for (new, run) in runs(equation, true, |p| (p.term == Some(last)).then_some(())) {
             @if new.is_some() { span.new { @for p in run { (piece(p)) } } }
             @else { @for p in run { (piece(p)) } }
         }
@@ -299,7 +312,7 @@ pub(super) fn label(term: Term) -> Markup {
 }
 
 /// A PNG inside the page.
-fn image(bytes: &[u8], width: usize, height: usize, alt: &str) -> Markup {
+pub(super) fn image(bytes: &[u8], width: usize, height: usize, alt: &str) -> Markup {
     let source = format!("data:image/png;base64,{}", BASE64.encode(bytes));
     let class = if width < 320 { "small" } else { "" };
     html! { img src=(source) width=(width) height=(height) alt=(alt) class=[(!class.is_empty()).then_some(class)]; }

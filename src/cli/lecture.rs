@@ -1,0 +1,163 @@
+//! `rastray lecture`: the deck, into a folder.
+//!
+//! Every scene is read before the first is drawn, and every file is written whole, the page last: an error or an
+//! interruption leaves pictures of the scenes so far, and the page of an earlier run as it was.
+
+use std::path::Path;
+
+use rastray::error::{Error, Note};
+use rastray::frame::Plane;
+use rastray::import::{Imported, LoadOptions, load, shipped};
+use rastray::math::color::quantize8;
+use rastray::report::deck::{Deck, Entry, Slide, stems};
+use rastray::report::equation::Form;
+use rastray::report::files;
+use rastray::report::folder::File;
+use rastray::report::topic::Topics;
+
+use super::args::{LectureArgs, ModeArg};
+use super::compare::{command_line, signed};
+use super::options::{Quality, Verbosity, apply, view};
+use super::progress::Progress;
+use super::render::picture;
+use super::{diagnostic, show};
+
+/// Size of pictures where none is asked for: a slide of full HD.
+const SIZE: (u32, u32) = (1920, 1080);
+/// Samples a pixel where none are asked for: smooth edges on a projector.
+const SAMPLES: u32 = 4;
+
+/// A scene that is ready to be drawn.
+struct Ready {
+    imported: Imported,
+    quality: Quality,
+    topics: Topics,
+}
+
+pub(super) fn lecture(args: &LectureArgs, verbosity: Verbosity) -> Result<(), Error> {
+    let folder = Path::new(&args.output);
+    files::check_folder(folder, "--output")?;
+    let names = match args.scenes.is_empty() {
+        true => own_scenes(),
+        false => args.scenes.clone(),
+    };
+    let scenes = names
+        .iter()
+        .map(|name| ready(name, args, verbosity))
+        .collect::<Result<Vec<_>, _>>()?;
+    let stems = stems(
+        &scenes
+            .iter()
+            .map(|s| s.imported.scene.name.as_str())
+            .collect::<Vec<_>>(),
+    );
+    files::create_folder(folder)?;
+    let progress = Progress::new(verbosity, scenes.len() as u64);
+    let mut entries = Vec::new();
+    for (i, (scene, stem)) in scenes.into_iter().zip(stems).enumerate() {
+        progress.step(i as u64, &stem);
+        entries.push(drawn(&scene, stem, args, folder)?);
+    }
+    drop(progress);
+    let deck = Deck {
+        command: command_line(),
+        entries,
+    };
+    write(folder, &deck.files())?;
+    let page = folder.join("index.html");
+    verbosity.say(page.display());
+    if args.open {
+        show::open(&page);
+    }
+    Ok(())
+}
+
+/// The names of the lecture's scenes, in its order.
+fn own_scenes() -> Vec<String> {
+    let lecture = shipped().iter().filter(|s| s.folder == "lecture");
+    lecture.map(|s| s.name.to_owned()).collect()
+}
+
+/// Loads a scene and what its head says.
+fn ready(name: &str, args: &LectureArgs, verbosity: Verbosity) -> Result<Ready, Error> {
+    let mut imported = load(name, &LoadOptions::default())?;
+    if verbosity != Verbosity::Quiet {
+        imported.notes.iter().for_each(diagnostic::note);
+        if imported.head.question.is_empty() {
+            diagnostic::note(&Note {
+                place: None,
+                message: format!(
+                    "{name} asks no question; a comment at the head of a .toml scene is shown: `# Why? Because.`"
+                ),
+            });
+        }
+    }
+    let topics = Topics::of(&imported.head.terms)?;
+    imported.resize(SIZE.0, SIZE.1);
+    let image = &mut imported.scene.image;
+    image.samples = image.samples.max(SAMPLES);
+    let quality = apply(&args.quality, &mut imported)?;
+    Ok(Ready {
+        imported,
+        quality,
+        topics,
+    })
+}
+
+/// Draws a scene both ways and writes its pictures.
+fn drawn(ready: &Ready, stem: String, args: &LectureArgs, folder: &Path) -> Result<Entry, Error> {
+    let scene = &ready.imported.scene;
+    let raster = picture(scene, ModeArg::Raster, &args.quality, &ready.quality)?;
+    let trace = picture(scene, ModeArg::Trace, &args.quality, &ready.quality)?;
+    let slide = Slide {
+        stem,
+        head: ready.imported.head.clone(),
+        topics: ready.topics.clone(),
+        form: Form::of(scene),
+        view: view(&args.quality),
+        difference: signed(&difference(&trace, &raster))?,
+        raster,
+        trace,
+    };
+    let (files, entry) = slide.finish()?;
+    write(folder, &files)?;
+    Ok(entry)
+}
+
+/// The difference of what the files store: 8 bits of linear values, as `compare` takes it.
+fn difference(trace: &Plane<[f32; 3]>, raster: &Plane<[f32; 3]>) -> Plane<[f64; 3]> {
+    let stored = |x: f32| f64::from(quantize8(x)) / 255.0;
+    let pairs = trace.data.iter().zip(&raster.data);
+    Plane {
+        width: trace.width,
+        height: trace.height,
+        data: pairs
+            .map(|(t, r)| [0, 1, 2].map(|c| stored(t[c]) - stored(r[c])))
+            .collect(),
+    }
+}
+
+fn write(folder: &Path, files: &[File]) -> Result<(), Error> {
+    files
+        .iter()
+        .try_for_each(|file| files::write_bytes_atomic(&folder.join(&file.name), &file.bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_difference_is_of_stored_values() {
+        let plane = |x: f32| Plane::filled(1, 1, [x; 3]);
+        let d = difference(&plane(2.0), &plane(0.5 / 255.0 - 1e-4));
+        assert_eq!(d.data[0], [1.0; 3]);
+    }
+
+    #[test]
+    fn the_lecture_is_all_of_its_folder_in_order() {
+        let names = own_scenes();
+        assert!(names.len() >= 20 && names[0] == "01-point-light");
+        assert!(names.is_sorted());
+    }
+}
