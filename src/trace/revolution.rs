@@ -1,0 +1,523 @@
+//! Surfaces of revolution in their own space: one monotone Bezier piece of the profile, turned about the axis.
+//!
+//! With n = the axis' unit direction, a ray p + t d has the height h(t) = h + t (d.n) and the distance from the axis
+//! rho(t), rho^2 = C + 2 B t + A t^2 (A = |d|^2 - (d.n)^2). In the half plane (radius, height) it is one branch of a
+//! hyperbola, travelled inwards and out again, and convex: a point of the profile (r, z) is *within* it where r >= rho at
+//! the ray's height z. The profile crosses the ray where it changes between within and without.
+//!
+//! - **Steep** rays, (d.n)^2 > A: within is G = r^2 - rho^2(t) >= 0 at t = (z - h) / (d.n).
+//! - **Shallow** rays: let m be the least distance from the axis, k its height and w = sqrt(r^2 - m^2); within is
+//!   |d.n| w >= sqrt(A) |z - k|. So the branch may fold up to a line: a ray across the axis is one that rises by less
+//!   than any number, and meets what lies at its height on both sides.
+//!
+//! *One owner.* Whether a joint is within is asked of its own coordinates, so both pieces hear the same; a point on the axis
+//! never is, a point on the ray is. Each piece is crossed an odd number of times if its ends differ, else an even number:
+//! a closed profile is entered as often as it is left, through joints, poles and creases too. Between its ends a piece is
+//! first split where z = k (which is within if r >= m), then by the Bernstein form of G ([`super::isolate`]), of degree 6.
+//!
+//! *Accuracy.* Lengths are scaled by a power of two, p is the ray's point nearest to the middle of the axis, and all that
+//! decides is in pairs: signs are right to about 2^-100 of the lengths squared, crossings are polished to 2^-100 of the
+//! piece. Two crossings closer together than 2^-44 of a piece, in f64 parameters, may count as none (touching).
+//! The point is base + z n + r e with r, z from the curve itself, and the normal that of its tangent.
+
+use super::exact::{Twofold, add_scaled, dot2, pairs, unit, values};
+use super::isolate::{Bracket, Coefficients, Signs, halves, isolate};
+use super::span::{Spot, along, unit_scale};
+use crate::lanes::Real;
+use crate::math::DVec3;
+use crate::scene::profile::{Piece, Profile};
+
+/// One piece of a profile, turned about the axis; its anchor is the axis' point at height 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Band {
+    /// Unit direction of the axis.
+    axis: [Twofold; 3],
+    /// The piece, lengths times `down`.
+    piece: Piece,
+    /// Its polynomials r, z in powers of the parameter.
+    powers: [[Twofold; 4]; 2],
+    /// Powers of two that bring the whole profile to about 1, and back.
+    scale: [f64; 2],
+    /// Height of the middle of the profile, scaled.
+    middle: f64,
+}
+
+/// A place where the ray meets the band.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossing {
+    /// Ray parameter.
+    pub t: Twofold,
+    /// The ray comes from behind.
+    pub back: bool,
+    /// Parameter of the piece.
+    s: Twofold,
+    /// Ray parameter counted from [`View::start`], in its units.
+    local: Twofold,
+}
+
+/// The crossings of one piece, in the order of its parameter.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Crossings {
+    items: [Crossing; MOST],
+    count: usize,
+}
+
+/// A conic crosses a cubic 6 times at most.
+const MOST: usize = 6;
+/// Newton steps and halvings together, as for tori.
+const MAX_STEPS: u32 = 128;
+/// Error of Bernstein coefficients after all halvings, relative to the largest term: 512 roundings.
+const ERROR: f64 = 256.0 * f64::EPSILON;
+
+/// The ray as the axis sees it.
+struct View {
+    /// p and d across the axis.
+    across: [[Twofold; 3]; 2],
+    /// d.n.
+    climb: Twofold,
+    way: Way,
+    /// What p is ahead of the ray's origin, in units of the scaled direction; and these units.
+    start: f64,
+    units: f64,
+}
+
+/// Its hyperbola.
+enum Way {
+    /// rho^2 = (square zeta + twice) zeta + rest, with zeta = z - height.
+    Steep {
+        height: Twofold,
+        square: Twofold,
+        twice: Twofold,
+        rest: Twofold,
+    },
+    /// `nearest` = t there, `length` = sqrt(A), `rise` = |d.n| / sqrt(A).
+    Shallow {
+        height: Twofold,
+        least_square: Twofold,
+        rise: Twofold,
+        length: Twofold,
+        nearest: Twofold,
+    },
+}
+
+/// One side of the height k, for shallow rays: the sign of z - k there. Steep rays need none.
+struct Side<'a> {
+    band: &'a Band,
+    view: &'a View,
+    side: f64,
+}
+
+impl Band {
+    /// The bands of a profile about a direction, one a piece; none where that is zero.
+    ///
+    /// ```
+    /// use rastray::math::DVec3;
+    /// use rastray::scene::profile::{Curve, Profile};
+    /// use rastray::trace::revolution::Band;
+    /// // A funnel from (1, 0) to (3, 2), seen from below at x = 2.
+    /// let funnel = Profile::new(Curve::Polyline, &[[1.0, 0.0], [3.0, 2.0]]).unwrap();
+    /// let band = Band::all(DVec3::Y, &funnel)[0];
+    /// let found = band.crossings([-2.0, 5.0, 0.0].map(Into::into), DVec3::Y);
+    /// assert_eq!((found[0].t.value(), found[0].back, found.len()), (6.0, false, 1));
+    /// ```
+    pub fn all(axis: DVec3, profile: &Profile) -> Vec<Self> {
+        let Some((axis_down, _)) = unit_scale(axis) else {
+            return Vec::new();
+        };
+        let n = pairs(axis * axis_down);
+        let length = dot2(n, n).sqrt();
+        let axis = n.map(|x| x / length);
+        let [low, high] = profile.heights();
+        let (down, up) = profile
+            .radius()
+            .max(low.abs())
+            .max(high.abs())
+            .power_of_two_scale();
+        let one = |piece: &Piece| {
+            let piece = Piece {
+                r: piece.r.map(|x| x * down),
+                z: piece.z.map(|x| x * down),
+                ..*piece
+            };
+            Self {
+                axis,
+                piece,
+                powers: [powers(&piece.r, piece.degree), powers(&piece.z, piece.degree)],
+                scale: [down, up],
+                middle: 0.5 * (low * down) + 0.5 * (high * down),
+            }
+        };
+        profile.pieces().iter().map(one).collect()
+    }
+
+    /// Where the ray crosses; `q` leads from its origin to the anchor.
+    pub fn crossings(&self, q: [Twofold; 3], d: DVec3) -> Crossings {
+        let mut found = Crossings::default();
+        if let Some(view) = self.view(q, d) {
+            self.cross(&view, &mut found);
+        }
+        found
+    }
+
+    /// The point of a crossing, by its number, from the anchor, and its normal.
+    pub fn spot(&self, q: [Twofold; 3], d: DVec3, number: usize) -> Option<Spot> {
+        let view = self.view(q, d)?;
+        let mut found = Crossings::default();
+        self.cross(&view, &mut found);
+        let crossing = found.get(number)?;
+        let across = add_scaled(view.across[0], crossing.local, view.across[1]);
+        let (out, axis) = (unit(values(across)), values(self.axis));
+        let [r, z] = self.at(crossing.s).map(Twofold::value);
+        let way = self.piece.tangent(crossing.s.value().clamp(0.0, 1.0));
+        Some(Spot {
+            offset: (z * axis + r * out) * self.scale[1],
+            normal: unit(way.y * out - way.x * axis),
+        })
+    }
+
+    /// Radius and height at a parameter.
+    fn at(&self, s: Twofold) -> [Twofold; 2] {
+        self.powers
+            .map(|c| ((c[3] * s + c[2]) * s + c[1]) * s + c[0])
+    }
+
+    fn view(&self, q: [Twofold; 3], d: DVec3) -> Option<View> {
+        let (d_down, _) = unit_scale(d)?;
+        let [down, up] = self.scale;
+        let (q, d) = (q.map(|x| x.scaled(down)), d * d_down);
+        let n = self.axis;
+        let to_middle = values(q) + self.middle * values(n);
+        let start = to_middle.dot(d) / d.length_squared();
+        if !start.is_finite() {
+            return None;
+        }
+        let (p, d) = (along(q, d, Twofold::from(start)), pairs(d));
+        let (height, climb) = (dot2(p, n), dot2(d, n));
+        let across = [add_scaled(p, -height, n), add_scaled(d, -climb, n)];
+        let [x, y] = across;
+        let (a, b, c) = (dot2(y, y), dot2(x, y), dot2(x, x));
+        if !(c.value().is_finite() && height.value().is_finite()) {
+            return None;
+        }
+        let way = if a.is_below(climb * climb) {
+            Way::Steep {
+                height,
+                square: a / (climb * climb),
+                twice: (b / climb).scaled(2.0),
+                rest: c,
+            }
+        } else {
+            let (length, nearest) = (a.sqrt(), -(b / a));
+            let rise = climb / length;
+            Way::Shallow {
+                height: height + climb * nearest,
+                least_square: c + b * nearest,
+                rise: if climb.value() < 0.0 { -rise } else { rise },
+                length,
+                nearest,
+            }
+        };
+        Some(View {
+            across,
+            climb,
+            way,
+            start,
+            units: d_down * up,
+        })
+    }
+
+    /// Splits the piece at the height k, if there is one, and finds the crossings of the parts.
+    fn cross(&self, view: &View, found: &mut Crossings) {
+        let n = 2 * self.piece.degree;
+        let (c, error) = self.coefficients(view);
+        if c[..=n].iter().all(|x| *x > error) || c[..=n].iter().all(|x| *x < -error) {
+            return;
+        }
+        let ends = [0, self.piece.degree].map(|i| {
+            let (r, z) = (self.piece.r[i], self.piece.z[i]);
+            r > 0.0 && view.is_within([Twofold::from(r), Twofold::from(z)])
+        });
+        let mut part = |c: &Coefficients, ends: [f64; 2], positive: [bool; 2], side: f64| {
+            let side = Side {
+                band: self,
+                view,
+                side,
+            };
+            let whole = Bracket { ends, positive };
+            isolate(&side, c, n, error, whole, &mut |bracket| {
+                found.push(side.crossing(bracket));
+            });
+        };
+        let heights = [0, self.piece.degree].map(|i| view.above(Twofold::from(self.piece.z[i])));
+        let [from, to] = heights.map(|x| x.value());
+        if from * to >= 0.0 || matches!(view.way, Way::Steep { .. }) {
+            let side = if from != 0.0 { from } else { to };
+            let side = if side == 0.0 { 0.0 } else { side.signum() };
+            return part(&c, [0.0, 1.0], ends, side);
+        }
+        let level = self.level(view, from < 0.0);
+        let within = view.room([self.at(level)[0], view.height()]) >= 0.0;
+        let s = level.value().clamp(0.0, 1.0);
+        let (before, after) = halves(&c, n, s);
+        part(&before, [0.0, s], [ends[0], within], from.signum());
+        part(&after, [s, 1.0], [within, ends[1]], to.signum());
+    }
+
+    /// The parameter at the height k, for a piece that has it between its ends.
+    fn level(&self, view: &View, rises: bool) -> Twofold {
+        root([0.0, 1.0], rises, |s| {
+            let above = view.above(self.at(Twofold::from(s))[1]);
+            (above, self.piece.tangent(s).y)
+        })
+    }
+
+    /// Bernstein coefficients of G, in plain f64, and a bound of their error.
+    fn coefficients(&self, view: &View) -> (Coefficients, f64) {
+        let Piece { degree, r, z } = self.piece;
+        let [weight, square, half, rest] = view.plain();
+        let height = view.height().value();
+        let zeta = z.map(|z| z - height);
+        // The polar form: what is squared in G is multiplied.
+        let f = |i: usize, j: usize| {
+            weight * r[i] * r[j] - (square * zeta[i] * zeta[j] + half * (zeta[i] + zeta[j]) + rest)
+        };
+        let largest = |x: &[f64; 4]| x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let (r_most, z_most) = (largest(&r), largest(&z) + height.abs());
+        let terms = weight * r_most * r_most
+            + (square * z_most + 2.0 * half.abs()) * z_most
+            + rest.abs();
+        let c = if degree == 1 {
+            [f(0, 0), f(0, 1), f(1, 1), 0.0, 0.0, 0.0, 0.0]
+        } else {
+            [
+                f(0, 0),
+                f(0, 1),
+                (3.0 * f(1, 1) + 2.0 * f(0, 2)) / 5.0,
+                (9.0 * f(1, 2) + f(0, 3)) / 10.0,
+                (3.0 * f(2, 2) + 2.0 * f(1, 3)) / 5.0,
+                f(2, 3),
+                f(3, 3),
+            ]
+        };
+        (c, ERROR * terms)
+    }
+}
+
+/// Control points to powers of the parameter.
+fn powers(c: &[f64; 4], degree: usize) -> [Twofold; 4] {
+    let difference = |i: usize| Twofold::difference(c[i + 1], c[i]);
+    let three = Twofold::from(3.0);
+    let start = Twofold::from(c[0]);
+    if degree == 1 {
+        return [start, difference(0), Twofold::default(), Twofold::default()];
+    }
+    let [d0, d1, d2] = [difference(0), difference(1), difference(2)];
+    [
+        start,
+        three * d0,
+        three * (d1 - d0),
+        (d2 - d1) - (d1 - d0),
+    ]
+}
+
+impl std::ops::Deref for Crossings {
+    type Target = [Crossing];
+    fn deref(&self) -> &[Crossing] {
+        &self.items[..self.count]
+    }
+}
+
+impl Crossings {
+    /// Appends what is finite. (More than [`MOST`] cannot be, but for rounding: those come in pairs.)
+    fn push(&mut self, crossing: Crossing) {
+        if self.count < MOST && crossing.t.value().is_finite() {
+            self.items[self.count] = crossing;
+            self.count += 1;
+        }
+    }
+}
+
+impl View {
+    fn height(&self) -> Twofold {
+        match self.way {
+            Way::Steep { height, .. } | Way::Shallow { height, .. } => height,
+        }
+    }
+
+    /// z above h or k.
+    fn above(&self, z: Twofold) -> Twofold {
+        z - self.height()
+    }
+
+    /// r^2 - m^2 (shallow) or G (steep).
+    fn room(&self, [r, z]: [Twofold; 2]) -> f64 {
+        self.square([r, z]).value()
+    }
+
+    fn square(&self, [r, z]: [Twofold; 2]) -> Twofold {
+        match self.way {
+            Way::Steep {
+                height,
+                square,
+                twice,
+                rest,
+            } => {
+                let zeta = z - height;
+                r * r - ((square * zeta + twice) * zeta + rest)
+            }
+            Way::Shallow { least_square, .. } => r * r - least_square,
+        }
+    }
+
+    /// Whether a point of the half plane is within the branch.
+    fn is_within(&self, point: [Twofold; 2]) -> bool {
+        let room = self.square(point);
+        if room.value() < 0.0 {
+            return false;
+        }
+        let Way::Shallow { rise, .. } = self.way else {
+            return true;
+        };
+        let above = self.above(point[1]);
+        let above = if above.value() < 0.0 { -above } else { above };
+        (rise * room.sqrt() - above).value() >= 0.0
+    }
+
+    /// Coefficients of G = weight r^2 - (square zeta^2 + 2 half zeta + rest).
+    fn plain(&self) -> [f64; 4] {
+        match self.way {
+            Way::Steep {
+                square,
+                twice,
+                rest,
+                ..
+            } => [1.0, square.value(), 0.5 * twice.value(), rest.value()],
+            Way::Shallow {
+                least_square, rise, ..
+            } => {
+                let weight = rise.value() * rise.value();
+                [weight, 1.0, 0.0, weight * least_square.value()]
+            }
+        }
+    }
+}
+
+impl Signs for Side<'_> {
+    fn is_positive(&self, s: f64) -> bool {
+        self.view.is_within(self.band.at(Twofold::from(s)))
+    }
+
+    fn slope(&self, s: f64) -> f64 {
+        let (p, way) = (self.band.piece.at(s), self.band.piece.tangent(s));
+        let [weight, square, half, _] = self.view.plain();
+        let zeta = p.y - self.view.height().value();
+        2.0 * (weight * p.x * way.x - (square * zeta + half) * way.y)
+    }
+}
+
+impl Side<'_> {
+    /// What the sign says of a parameter between its ends, as a number with a slope: >= 0 within.
+    fn value(&self, s: f64) -> (Twofold, f64) {
+        let point = self.band.at(Twofold::from(s));
+        let room = self.view.square(point);
+        let Way::Shallow { rise, .. } = self.view.way else {
+            return (room, self.slope(s));
+        };
+        if self.side == 0.0 {
+            // Flat, in the ray's own plane.
+            let p = self.band.piece.at(s);
+            return (room, 2.0 * p.x * self.band.piece.tangent(s).x);
+        }
+        let above = self.view.above(point[1]).scaled(self.side);
+        if room.value() <= 0.0 {
+            // Without, or at the very bend, whichever way it leads: halving it is.
+            return (-above, 0.0);
+        }
+        let width = room.sqrt();
+        let (p, way) = (self.band.piece.at(s), self.band.piece.tangent(s));
+        let slope = rise.value() * p.x * way.x / width.value() - self.side * way.y;
+        (rise * width - above, slope)
+    }
+
+    /// The crossing in a bracket.
+    fn crossing(&self, bracket: Bracket) -> Crossing {
+        let Bracket { ends, positive } = bracket;
+        let s = root(ends, !positive[0], |s| self.value(s));
+        let s = if s.value() < 0.0 {
+            Twofold::default()
+        } else if s.value() > 1.0 {
+            Twofold::from(1.0)
+        } else {
+            s
+        };
+        let view = self.view;
+        let point = self.band.at(s);
+        let falls = view.climb.value() < 0.0;
+        let local = match view.way {
+            Way::Steep { .. } => view.above(point[1]) / view.climb,
+            Way::Shallow {
+                rise,
+                length,
+                nearest,
+                ..
+            } => {
+                let room = view.square(point).sqrt();
+                // Of two ways from the nearest point, the one that rounding harms less.
+                let part = if room.value() >= (rise * point[0]).value() {
+                    let part = room / length;
+                    if (self.side > 0.0) == falls { -part } else { part }
+                } else {
+                    view.above(point[1]) / view.climb
+                };
+                nearest + part
+            }
+        };
+        Crossing {
+            t: (local + Twofold::from(view.start)).scaled(view.units),
+            back: positive[0] != falls,
+            s,
+            local,
+        }
+    }
+}
+
+/// The root between two parameters of a function (value, slope) that is below 0 at the first of them if `rises`, else at
+/// the other: Newton's method held in its bracket, polished once in pairs.
+fn root([mut low, mut high]: [f64; 2], rises: bool, f: impl Fn(f64) -> (Twofold, f64)) -> Twofold {
+    let (first, width) = (low, high - low);
+    let mut s = first + 0.5 * width;
+    let mut step = width;
+    for _ in 0..MAX_STEPS {
+        let (value, slope) = f(s);
+        if (value.value() < 0.0) == rises {
+            low = s;
+        } else {
+            high = s;
+        }
+        let newton = value.value() / slope;
+        let next = s - newton;
+        // Newton, unless it leaves the bracket or no longer halves its step.
+        if next >= low && next <= high && newton.abs() <= 0.5 * step.abs() {
+            step = newton;
+            if next == s {
+                break;
+            }
+            s = next;
+        } else {
+            step = 0.5 * (high - low);
+            let middle = low + step;
+            if middle <= low || middle >= high {
+                break;
+            }
+            s = middle;
+        }
+    }
+    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
+    let (value, slope) = f(s);
+    let rest = value.value() / slope;
+    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
+        Twofold::from(s) - Twofold::from(rest)
+    } else {
+        Twofold::from(s)
+    }
+}
