@@ -470,7 +470,11 @@ fn stops(c: &[f64]) -> impl Iterator<Item = f64> {
             let (d0, d1, d2) = (c1 - c0, c2 - c1, c3 - c2);
             let (square, half) = (d0 - 2.0 * d1 + d2, d1 - d0);
             let root = (half * half - square * d0).sqrt();
-            let sum = if half < 0.0 { root - half } else { -half - root };
+            let sum = if half < 0.0 {
+                root - half
+            } else {
+                -half - root
+            };
             [sum / square, d0 / sum]
         }
         _ => [f64::NAN; 2],

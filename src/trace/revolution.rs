@@ -62,10 +62,12 @@ pub struct Crossings {
     count: usize,
 }
 
-/// A conic crosses a cubic 6 times at most.
-const MOST: usize = 6;
+/// A conic crosses a cubic 6 times at most; rounding may add a pair where they touch.
+const MOST: usize = 8;
 /// Newton steps and halvings together, as for tori.
 const MAX_STEPS: u32 = 128;
+/// A relative margin far above every rounding of a coarse test in f64, heights of slanting rays divided by 1/64 included.
+const COARSE: f64 = 1e-11;
 /// Error of Bernstein coefficients after all halvings, relative to the largest term: 512 roundings.
 const ERROR: f64 = 256.0 * f64::EPSILON;
 
@@ -142,7 +144,10 @@ impl Band {
             Self {
                 axis,
                 piece,
-                powers: [powers(&piece.r, piece.degree), powers(&piece.z, piece.degree)],
+                powers: [
+                    powers(&piece.r, piece.degree),
+                    powers(&piece.z, piece.degree),
+                ],
                 scale: [down, up],
                 middle: 0.5 * (low * down) + 0.5 * (high * down),
             }
@@ -185,6 +190,9 @@ impl Band {
         let (d_down, _) = unit_scale(d)?;
         let [down, up] = self.scale;
         let (q, d) = (q.map(|x| x.scaled(down)), d * d_down);
+        if self.surely_missed(values(q), d) {
+            return None;
+        }
         let n = self.axis;
         let to_middle = values(q) + self.middle * values(n);
         let start = to_middle.dot(d) / d.length_squared();
@@ -224,6 +232,38 @@ impl Band {
             start,
             units: d_down * up,
         })
+    }
+
+    /// The ray keeps beyond doubt outside the ring that the piece lies in, or inside its hole: plain f64 with a margin.
+    fn surely_missed(&self, q: DVec3, d: DVec3) -> bool {
+        let n = values(self.axis);
+        let start = (q + self.middle * n).dot(d) / d.length_squared();
+        let p = start * d - q;
+        let (height, climb) = (p.dot(n), d.dot(n));
+        let (x, y) = (p - height * n, d - climb * n);
+        let (a, b, c) = (y.length_squared(), x.dot(y), x.length_squared());
+        let last = self.piece.degree;
+        let [low, high] = [self.piece.z[0], self.piece.z[last]].map(|z| (z - height) / climb);
+        // Of nearly level rays the whole line is taken, for rounding would move the ends.
+        let is_level = climb.abs() * 64.0 < d.length();
+        let (from, to) = if is_level {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        } else {
+            (low.min(high), low.max(high))
+        };
+        let doubt = COARSE * (1.0 + q.length());
+        let distance = |t: f64| {
+            let terms = a * t * t + 2.0 * (b * t).abs() + c + 1.0;
+            ((a * t + 2.0 * b) * t + c, doubt * terms)
+        };
+        let [r0, r1] = [self.piece.r[0], self.piece.r[last]];
+        let (least, most) = (r0.min(r1), r0.max(r1));
+        let (near, error) = distance((-b / a).max(from).min(to));
+        let inside = |t: f64| {
+            let (far, error) = distance(t);
+            far + error < least * least
+        };
+        near - error > most * most || (inside(from) && inside(to))
     }
 
     /// Splits the piece at the height k, if there is one, and finds the crossings of the parts.
@@ -283,9 +323,8 @@ impl Band {
         };
         let largest = |x: &[f64; 4]| x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let (r_most, z_most) = (largest(&r), largest(&z) + height.abs());
-        let terms = weight * r_most * r_most
-            + (square * z_most + 2.0 * half.abs()) * z_most
-            + rest.abs();
+        let terms =
+            weight * r_most * r_most + (square * z_most + 2.0 * half.abs()) * z_most + rest.abs();
         let c = if degree == 1 {
             [f(0, 0), f(0, 1), f(1, 1), 0.0, 0.0, 0.0, 0.0]
         } else {
@@ -312,12 +351,7 @@ fn powers(c: &[f64; 4], degree: usize) -> [Twofold; 4] {
         return [start, difference(0), Twofold::default(), Twofold::default()];
     }
     let [d0, d1, d2] = [difference(0), difference(1), difference(2)];
-    [
-        start,
-        three * d0,
-        three * (d1 - d0),
-        (d2 - d1) - (d1 - d0),
-    ]
+    [start, three * d0, three * (d1 - d0), (d2 - d1) - (d1 - d0)]
 }
 
 impl std::ops::Deref for Crossings {
@@ -328,7 +362,7 @@ impl std::ops::Deref for Crossings {
 }
 
 impl Crossings {
-    /// Appends what is finite. (More than [`MOST`] cannot be, but for rounding: those come in pairs.)
+    /// Appends what is finite.
     fn push(&mut self, crossing: Crossing) {
         if self.count < MOST && crossing.t.value().is_finite() {
             self.items[self.count] = crossing;
@@ -465,7 +499,11 @@ impl Side<'_> {
                 // Of two ways from the nearest point, the one that rounding harms less.
                 let part = if room.value() >= (rise * point[0]).value() {
                     let part = room / length;
-                    if (self.side > 0.0) == falls { -part } else { part }
+                    if (self.side > 0.0) == falls {
+                        -part
+                    } else {
+                        part
+                    }
                 } else {
                     view.above(point[1]) / view.climb
                 };

@@ -197,7 +197,11 @@ impl Solid {
                 for (i, crossing) in band.crossings(q, d).iter().enumerate() {
                     let back = crossing.back;
                     let leaves = if back { LEAVES } else { 0 };
-                    hit(crossing.t.value(), leaves + number * PER_PIECE + i as u32, back);
+                    hit(
+                        crossing.t.value(),
+                        leaves + number * PER_PIECE + i as u32,
+                        back,
+                    );
                 }
             }
             Form::Patch {
@@ -361,24 +365,24 @@ impl Solid {
 /// The form of a shape that is one solid.
 fn form(shape: &Shape, place: &DAffine3) -> Option<Form> {
     Some(match *shape {
-            Shape::Sphere { center, radius } => Form::Sphere {
-                center_world: place.transform_point3(center),
-                radius,
-                radius_world: radius * spread(&place.matrix3).max_element(),
-            },
-            Shape::Box { min, max } => Form::Cuboid {
-                min,
-                max,
-                size_world: (place.matrix3 * (max - min)).abs().max_element(),
-            },
-            Shape::Patch {
-                corner,
-                edge_u,
-                edge_v,
-                tiles,
-            } => patch(place, corner, edge_u, edge_v, tiles)?,
-            _ => round(shape, place)?,
-        })
+        Shape::Sphere { center, radius } => Form::Sphere {
+            center_world: place.transform_point3(center),
+            radius,
+            radius_world: radius * spread(&place.matrix3).max_element(),
+        },
+        Shape::Box { min, max } => Form::Cuboid {
+            min,
+            max,
+            size_world: (place.matrix3 * (max - min)).abs().max_element(),
+        },
+        Shape::Patch {
+            corner,
+            edge_u,
+            edge_v,
+            tiles,
+        } => patch(place, corner, edge_u, edge_v, tiles)?,
+        _ => round(shape, place)?,
+    })
 }
 
 /// The forms of a surface of revolution, one a piece of its profile.
