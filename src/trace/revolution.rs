@@ -305,9 +305,11 @@ impl Band {
 
     /// The parameter at the height k, for a piece that has it between its ends.
     fn level(&self, view: &View, rises: bool) -> Twofold {
-        root([0.0, 1.0], rises, |s| {
-            let above = view.above(self.at(Twofold::from(s))[1]);
-            (above, self.piece.tangent(s).y)
+        let height = view.height().value();
+        let slope = |s: f64| self.piece.tangent(s).y;
+        let plain = |s: f64| (self.piece.at(s).y - height, slope(s));
+        root([0.0, 1.0], rises, plain, |s| {
+            (view.above(self.at(Twofold::from(s))[1]), slope(s))
         })
     }
 
@@ -450,33 +452,57 @@ impl Signs for Side<'_> {
 }
 
 impl Side<'_> {
-    /// What the sign says of a parameter between its ends, as a number with a slope: >= 0 within.
-    fn value(&self, s: f64) -> (Twofold, f64) {
+    /// What the sign says of a parameter between its ends, as a number: >= 0 within.
+    fn value(&self, s: f64) -> Twofold {
         let point = self.band.at(Twofold::from(s));
         let room = self.view.square(point);
         let Way::Shallow { rise, .. } = self.view.way else {
-            return (room, self.slope(s));
+            return room;
         };
         if self.side == 0.0 {
             // Flat, in the ray's own plane.
-            let p = self.band.piece.at(s);
-            return (room, 2.0 * p.x * self.band.piece.tangent(s).x);
+            return room;
         }
         let above = self.view.above(point[1]).scaled(self.side);
-        if room.value() <= 0.0 {
-            // Without, or at the very bend, whichever way it leads: halving it is.
+        if room.value() > 0.0 {
+            rise * room.sqrt() - above
+        } else {
+            -above
+        }
+    }
+
+    /// [`Self::value`] in plain f64, with its slope; that is 0 where only halving leads on.
+    fn plain_value(&self, s: f64) -> (f64, f64) {
+        let (p, way) = (self.band.piece.at(s), self.band.piece.tangent(s));
+        let [weight, square, half, rest] = self.view.plain();
+        let Way::Shallow {
+            least_square, rise, ..
+        } = self.view.way
+        else {
+            let zeta = p.y - self.view.height().value();
+            let value = weight * p.x * p.x - ((square * zeta + 2.0 * half) * zeta + rest);
+            return (value, self.slope(s));
+        };
+        let room = p.x * p.x - least_square.value();
+        if self.side == 0.0 {
+            return (room, 2.0 * p.x * way.x);
+        }
+        let above = self.side * (p.y - self.view.height().value());
+        if room <= 0.0 {
             return (-above, 0.0);
         }
-        let width = room.sqrt();
-        let (p, way) = (self.band.piece.at(s), self.band.piece.tangent(s));
-        let slope = rise.value() * p.x * way.x / width.value() - self.side * way.y;
+        let (width, rise) = (room.sqrt(), rise.value());
+        let slope = rise * p.x * way.x / width - self.side * way.y;
         (rise * width - above, slope)
     }
 
     /// The crossing in a bracket.
     fn crossing(&self, bracket: Bracket) -> Crossing {
         let Bracket { ends, positive } = bracket;
-        let s = root(ends, !positive[0], |s| self.value(s));
+        let plain = |s: f64| self.plain_value(s);
+        let s = root(ends, !positive[0], plain, |s| {
+            (self.value(s), self.plain_value(s).1)
+        });
         let s = if s.value() < 0.0 {
             Twofold::default()
         } else if s.value() > 1.0 {
@@ -520,19 +546,45 @@ impl Side<'_> {
 }
 
 /// The root between two parameters of a function (value, slope) that is below 0 at the first of them if `rises`, else at
-/// the other: Newton's method held in its bracket, polished once in pairs.
-fn root([mut low, mut high]: [f64; 2], rises: bool, f: impl Fn(f64) -> (Twofold, f64)) -> Twofold {
-    let (first, width) = (low, high - low);
-    let mut s = first + 0.5 * width;
-    let mut step = width;
+/// the other: found in plain f64 first, then in pairs, and polished once.
+fn root(
+    ends: [f64; 2],
+    rises: bool,
+    plain: impl Fn(f64) -> (f64, f64),
+    f: impl Fn(f64) -> (Twofold, f64),
+) -> Twofold {
+    let width = ends[1] - ends[0];
+    let guess = newton(ends, rises, ends[0] + 0.5 * width, plain);
+    let s = newton(ends, rises, guess, |s| {
+        let (value, slope) = f(s);
+        (value.value(), slope)
+    });
+    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
+    let (value, slope) = f(s);
+    let rest = value.value() / slope;
+    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
+        Twofold::from(s) - Twofold::from(rest)
+    } else {
+        Twofold::from(s)
+    }
+}
+
+/// Newton's method from a place in a bracket, held in it.
+fn newton(
+    [mut low, mut high]: [f64; 2],
+    rises: bool,
+    mut s: f64,
+    f: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let mut step = high - low;
     for _ in 0..MAX_STEPS {
         let (value, slope) = f(s);
-        if (value.value() < 0.0) == rises {
+        if (value < 0.0) == rises {
             low = s;
         } else {
             high = s;
         }
-        let newton = value.value() / slope;
+        let newton = value / slope;
         let next = s - newton;
         // Newton, unless it leaves the bracket or no longer halves its step.
         if next >= low && next <= high && newton.abs() <= 0.5 * step.abs() {
@@ -550,12 +602,5 @@ fn root([mut low, mut high]: [f64; 2], rises: bool, f: impl Fn(f64) -> (Twofold,
             s = middle;
         }
     }
-    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
-    let (value, slope) = f(s);
-    let rest = value.value() / slope;
-    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
-        Twofold::from(s) - Twofold::from(rest)
-    } else {
-        Twofold::from(s)
-    }
+    s
 }
