@@ -7,6 +7,7 @@ pub mod assembly;
 pub mod camera;
 pub mod fit;
 pub mod optics;
+pub mod piece;
 pub mod profile;
 pub mod requirements;
 pub mod revolution;

@@ -10,7 +10,7 @@
 //! | `ray` | rays, hits, the spawn offset |
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
 //! | `disk` `cylinder` `cone` `torus` | round shapes, `span` where convex; `body` one interface to them |
-//! | `revolution` `isolate` | surfaces of revolution, a piece of profile at a time; the roots of their polynomials |
+//! | `revolution` `hyperbola` `isolate` | surfaces of revolution, a piece of profile at a time; rays about an axis; roots |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` | the hierarchy |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
@@ -37,6 +37,7 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disk;
 pub mod exact;
+mod hyperbola;
 mod isolate;
 mod media;
 pub mod optics;

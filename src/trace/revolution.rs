@@ -1,14 +1,7 @@
 //! Surfaces of revolution in their own space: one monotone Bezier piece of the profile, turned about the axis.
 //!
-//! With n = the axis' unit direction, a ray p + t d has the height h(t) = h + t (d.n) and the distance from the axis
-//! rho(t), rho^2 = C + 2 B t + A t^2 (A = |d|^2 - (d.n)^2). In the half plane (radius, height) it is one branch of a
-//! hyperbola, travelled inwards and out again, and convex: a point of the profile (r, z) is *within* it where r >= rho at
-//! the ray's height z. The profile crosses the ray where it changes between within and without.
-//!
-//! - **Steep** rays, (d.n)^2 > A: within is G = r^2 - rho^2(t) >= 0 at t = (z - h) / (d.n).
-//! - **Shallow** rays: let m be the least distance from the axis, k its height and w = sqrt(r^2 - m^2); within is
-//!   |d.n| w >= sqrt(A) |z - k|. So the branch may fold up to a line: a ray across the axis is one that rises by less
-//!   than any number, and meets what lies at its height on both sides.
+//! A piece of the profile crosses the ray where it changes between within and without the ray's branch of a hyperbola in
+//! the half plane (radius, height): see [`super::hyperbola`], from which A, m, k and G are.
 //!
 //! *One owner.* Whether a joint is within is asked of its own coordinates, so both pieces hear the same; a point on the axis
 //! never is, a point on the ray is. Each piece is crossed an odd number of times if its ends differ, else an even number:
@@ -21,8 +14,9 @@
 //! The point is base + z n + r e with r, z from the curve itself, and the normal that of its tangent.
 
 use super::exact::{Twofold, add_scaled, dot2, pairs, unit, values};
-use super::isolate::{Bracket, Coefficients, Signs, halves, isolate};
-use super::span::{Spot, along, unit_scale};
+use super::hyperbola::{View, Way};
+use super::isolate::{Bracket, Coefficients, Signs, halves, isolate, root};
+use super::span::{Spot, unit_scale};
 use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::scene::profile::{Piece, Profile};
@@ -64,43 +58,10 @@ pub struct Crossings {
 
 /// A conic crosses a cubic 6 times at most; rounding may add a pair where they touch.
 const MOST: usize = 8;
-/// Newton steps and halvings together, as for tori.
-const MAX_STEPS: u32 = 128;
 /// A relative margin far above every rounding of a coarse test in f64, heights of slanting rays divided by 1/64 included.
 const COARSE: f64 = 1e-11;
 /// Error of Bernstein coefficients after all halvings, relative to the largest term: 512 roundings.
 const ERROR: f64 = 256.0 * f64::EPSILON;
-
-/// The ray as the axis sees it.
-struct View {
-    /// p and d across the axis.
-    across: [[Twofold; 3]; 2],
-    /// d.n.
-    climb: Twofold,
-    way: Way,
-    /// What p is ahead of the ray's origin, in units of the scaled direction; and these units.
-    start: f64,
-    units: f64,
-}
-
-/// Its hyperbola.
-enum Way {
-    /// rho^2 = (square zeta + twice) zeta + rest, with zeta = z - height.
-    Steep {
-        height: Twofold,
-        square: Twofold,
-        twice: Twofold,
-        rest: Twofold,
-    },
-    /// `nearest` = t there, `length` = sqrt(A), `rise` = |d.n| / sqrt(A).
-    Shallow {
-        height: Twofold,
-        least_square: Twofold,
-        rise: Twofold,
-        length: Twofold,
-        nearest: Twofold,
-    },
-}
 
 /// One side of the height k, for shallow rays: the sign of z - k there. Steep rays need none.
 struct Side<'a> {
@@ -193,45 +154,8 @@ impl Band {
         if self.surely_missed(values(q), d) {
             return None;
         }
-        let n = self.axis;
-        let to_middle = values(q) + self.middle * values(n);
-        let start = to_middle.dot(d) / d.length_squared();
-        if !start.is_finite() {
-            return None;
-        }
-        let (p, d) = (along(q, d, Twofold::from(start)), pairs(d));
-        let (height, climb) = (dot2(p, n), dot2(d, n));
-        let across = [add_scaled(p, -height, n), add_scaled(d, -climb, n)];
-        let [x, y] = across;
-        let (a, b, c) = (dot2(y, y), dot2(x, y), dot2(x, x));
-        if !(c.value().is_finite() && height.value().is_finite()) {
-            return None;
-        }
-        let way = if a.is_below(climb * climb) {
-            Way::Steep {
-                height,
-                square: a / (climb * climb),
-                twice: (b / climb).scaled(2.0),
-                rest: c,
-            }
-        } else {
-            let (length, nearest) = (a.sqrt(), -(b / a));
-            let rise = climb / length;
-            Way::Shallow {
-                height: height + climb * nearest,
-                least_square: c + b * nearest,
-                rise: if climb.value() < 0.0 { -rise } else { rise },
-                length,
-                nearest,
-            }
-        };
-        Some(View {
-            across,
-            climb,
-            way,
-            start,
-            units: d_down * up,
-        })
+        let middle = self.middle * values(self.axis);
+        View::new(q, d, self.axis, middle, d_down * up)
     }
 
     /// The ray keeps beyond doubt outside the ring that the piece lies in, or inside its hole: plain f64 with a margin.
@@ -373,71 +297,6 @@ impl Crossings {
     }
 }
 
-impl View {
-    fn height(&self) -> Twofold {
-        match self.way {
-            Way::Steep { height, .. } | Way::Shallow { height, .. } => height,
-        }
-    }
-
-    /// z above h or k.
-    fn above(&self, z: Twofold) -> Twofold {
-        z - self.height()
-    }
-
-    /// r^2 - m^2 (shallow) or G (steep).
-    fn room(&self, [r, z]: [Twofold; 2]) -> f64 {
-        self.square([r, z]).value()
-    }
-
-    fn square(&self, [r, z]: [Twofold; 2]) -> Twofold {
-        match self.way {
-            Way::Steep {
-                height,
-                square,
-                twice,
-                rest,
-            } => {
-                let zeta = z - height;
-                r * r - ((square * zeta + twice) * zeta + rest)
-            }
-            Way::Shallow { least_square, .. } => r * r - least_square,
-        }
-    }
-
-    /// Whether a point of the half plane is within the branch.
-    fn is_within(&self, point: [Twofold; 2]) -> bool {
-        let room = self.square(point);
-        if room.value() < 0.0 {
-            return false;
-        }
-        let Way::Shallow { rise, .. } = self.way else {
-            return true;
-        };
-        let above = self.above(point[1]);
-        let above = if above.value() < 0.0 { -above } else { above };
-        (rise * room.sqrt() - above).value() >= 0.0
-    }
-
-    /// Coefficients of G = weight r^2 - (square zeta^2 + 2 half zeta + rest).
-    fn plain(&self) -> [f64; 4] {
-        match self.way {
-            Way::Steep {
-                square,
-                twice,
-                rest,
-                ..
-            } => [1.0, square.value(), 0.5 * twice.value(), rest.value()],
-            Way::Shallow {
-                least_square, rise, ..
-            } => {
-                let weight = rise.value() * rise.value();
-                [weight, 1.0, 0.0, weight * least_square.value()]
-            }
-        }
-    }
-}
-
 impl Signs for Side<'_> {
     fn is_positive(&self, s: f64) -> bool {
         self.view.is_within(self.band.at(Twofold::from(s)))
@@ -543,64 +402,4 @@ impl Side<'_> {
             local,
         }
     }
-}
-
-/// The root between two parameters of a function (value, slope) that is below 0 at the first of them if `rises`, else at
-/// the other: found in plain f64 first, then in pairs, and polished once.
-fn root(
-    ends: [f64; 2],
-    rises: bool,
-    plain: impl Fn(f64) -> (f64, f64),
-    f: impl Fn(f64) -> (Twofold, f64),
-) -> Twofold {
-    let width = ends[1] - ends[0];
-    let guess = newton(ends, rises, ends[0] + 0.5 * width, plain);
-    let s = newton(ends, rises, guess, |s| {
-        let (value, slope) = f(s);
-        (value.value(), slope)
-    });
-    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
-    let (value, slope) = f(s);
-    let rest = value.value() / slope;
-    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
-        Twofold::from(s) - Twofold::from(rest)
-    } else {
-        Twofold::from(s)
-    }
-}
-
-/// Newton's method from a place in a bracket, held in it.
-fn newton(
-    [mut low, mut high]: [f64; 2],
-    rises: bool,
-    mut s: f64,
-    f: impl Fn(f64) -> (f64, f64),
-) -> f64 {
-    let mut step = high - low;
-    for _ in 0..MAX_STEPS {
-        let (value, slope) = f(s);
-        if (value < 0.0) == rises {
-            low = s;
-        } else {
-            high = s;
-        }
-        let newton = value / slope;
-        let next = s - newton;
-        // Newton, unless it leaves the bracket or no longer halves its step.
-        if next >= low && next <= high && newton.abs() <= 0.5 * step.abs() {
-            step = newton;
-            if next == s {
-                break;
-            }
-            s = next;
-        } else {
-            step = 0.5 * (high - low);
-            let middle = low + step;
-            if middle <= low || middle >= high {
-                break;
-            }
-            s = middle;
-        }
-    }
-    s
 }
