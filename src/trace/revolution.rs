@@ -1,12 +1,12 @@
 //! Surfaces of revolution in their own space: one monotone Bezier piece of the profile, turned about the axis.
 //!
 //! A piece of the profile crosses the ray where it changes between within and without the ray's branch of a hyperbola in
-//! the half plane (radius, height): see [`super::hyperbola`], from which A, m, k and G are.
+//! the half plane (radius, height): see `hyperbola`, from which A, m, k and G are.
 //!
 //! *One owner.* Whether a joint is within is asked of its own coordinates, so both pieces hear the same; a point on the axis
 //! never is, a point on the ray is. Each piece is crossed an odd number of times if its ends differ, else an even number:
 //! a closed profile is entered as often as it is left, through joints, poles and creases too. Between its ends a piece is
-//! first split where z = k (which is within if r >= m), then by the Bernstein form of G ([`super::isolate`]), of degree 6.
+//! first split where z = k (which is within if r >= m), then by the Bernstein form of G (`isolate`), of degree 6.
 //!
 //! *Accuracy.* Lengths are scaled by a power of two, p is the ray's point nearest to the middle of the axis, and all that
 //! decides is in pairs: signs are right to about 2^-100 of the lengths squared, crossings are polished to 2^-100 of the
@@ -49,7 +49,7 @@ pub struct Crossing {
     pub back: bool,
     /// Parameter of the piece.
     s: Twofold,
-    /// Ray parameter counted from [`View::start`], in its units.
+    /// Ray parameter counted from p, in units of the scaled direction.
     local: Twofold,
 }
 
