@@ -538,6 +538,7 @@ fn a_scene_of_all_shapes_is_explained_without_residual() {
         "cylinder",
         "cone",
         "torus",
+        "revolution",
         "checkered floor",
     ] {
         assert!(

@@ -762,6 +762,7 @@ fn scaled(mut shape: Shape, k: f64) -> Shape {
             *major *= k;
             *minor *= k;
         }
+        Shape::Revolution { .. } => panic!("tests/revolution.rs scales surfaces of revolution"),
     }
     shape
 }

@@ -5,7 +5,7 @@
 
 use crate::gl;
 use crate::sampling::{MAX_SAMPLES, Pattern};
-use crate::scene::{Cull, Fresnel, FrontFace, LightSpace, Shadow, Tir};
+use crate::scene::{Cull, Curve, Fresnel, FrontFace, LightSpace, Shadow, Tir};
 
 /// Largest width or height of a picture.
 pub const MAX_SIDE: u32 = 16384;
@@ -95,6 +95,8 @@ pub(crate) enum Kind {
     Numbers,
     /// Four points.
     Corners,
+    /// Points [radius, height].
+    Profile,
     /// Vertex numbers, flat triples or nested faces.
     Indices,
     /// A list of names.
@@ -389,6 +391,16 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
             key("axis", Kind::Vector, "[0, 1, 0]", "Axis of the ring"),
             key("major_radius", Kind::Number(Range::Above(0.0)), "1", "From the centre to the middle of the tube"),
             key("minor_radius", Kind::Number(Range::Above(0.0)), "0.25", "Radius of the tube, below major_radius"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "revolution",
+        &[
+            key("base", Kind::Vector, "[0, 0, 0]", "The point of the axis where heights are 0"),
+            key("axis", Kind::Vector, "[0, 1, 0]", "The way heights count; its length does not matter"),
+            key("profile", Kind::Profile, "", "Points [radius, height]; upwards = front outside. Both ends on the axis, or the first point again at the end: a solid"),
+            key("curve", Kind::Choice(|| names(Curve::NAMES)), "\"polyline\"", "How they are joined: straight; smooth through all points, creased at one written twice; or point, control, control, point ..."),
             TESSELLATION,
         ],
     ),

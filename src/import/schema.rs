@@ -5,6 +5,7 @@
 use serde_json::{Map, Value, json};
 
 use super::keys::{self, KeyInfo, Kind, Range, SHAPES};
+use crate::scene::profile::MAX_POINTS;
 
 /// The JSON Schema of the scene file, as text.
 pub fn schema() -> String {
@@ -172,6 +173,7 @@ fn structure(kind: Kind) -> Value {
             let nested = json!({ "type": "array", "items": numbers(2, 3) });
             any_of(&[json!({ "type": "array", "items": any }), nested])
         }
+        Kind::Profile => list(&numbers(2, 2), 2, MAX_POINTS),
         Kind::Corners => any_of(&[numbers(12, 12), list(&numbers(3, 3), 4, 4)]),
         Kind::Indices => {
             let index = json!({ "type": "integer", "minimum": 0 });

@@ -70,6 +70,7 @@ const SCENES: &[Shipped] = scenes! {
         "facing-mirrors",
         "glass-slab",
         "instances",
+        "revolution",
     ],
 };
 

@@ -3,7 +3,7 @@
 //! World space, f64. Bounds are exact for every shape under any affine transform, and the vertices' own
 //! for meshes. Nothing here is an absolute distance: every rule scales with the scene.
 
-use super::{Camera, Geometry, Object, Projection, Shape};
+use super::{Camera, Geometry, Object, Projection, Shape, revolution};
 use crate::math::{DAffine3, DVec2, DVec3};
 
 /// The part of a scene's diagonal that near is fitted to where the eye stands inside the bounds of an object.
@@ -140,6 +140,16 @@ pub fn of_shape(shape: &Shape, m: &DAffine3) -> Option<Bounds> {
                 min: ring.min - ball,
                 max: ring.max + ball,
             })
+        }
+        Shape::Revolution {
+            base,
+            axis,
+            ref profile,
+        } => {
+            let pieces = profile.pieces().iter();
+            pieces
+                .map(|piece| revolution::bounds(base, axis, piece, m))
+                .reduce(|a, b| a.union(&b))
         }
     }
 }

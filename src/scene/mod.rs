@@ -7,7 +7,10 @@ pub mod assembly;
 pub mod camera;
 pub mod fit;
 pub mod optics;
+pub mod piece;
+pub mod profile;
 pub mod requirements;
+pub mod revolution;
 pub mod round;
 pub mod shape;
 pub mod tessellate;
@@ -16,6 +19,7 @@ use std::sync::Arc;
 
 pub use camera::{Camera, Projection};
 pub use optics::{Fresnel, Optics};
+pub use profile::{Curve, Profile};
 pub use shape::{Mesh, Shape};
 
 use crate::gl;

@@ -46,13 +46,13 @@ impl Frame {
     }
 
     /// The unit vector at slice `i` of `n`.
-    fn radial(&self, i: u32, n: u32) -> DVec3 {
+    pub(super) fn radial(&self, i: u32, n: u32) -> DVec3 {
         let (sin, cos) = turn(i % n, n);
         self.u * cos + self.v * sin
     }
 
     /// The unit vector in the middle of slice `i` of `n`.
-    fn radial_middle(&self, i: u32, n: u32) -> DVec3 {
+    pub(super) fn radial_middle(&self, i: u32, n: u32) -> DVec3 {
         let (sin, cos) = turn(2 * i + 1, 2 * n);
         self.u * cos + self.v * sin
     }
@@ -163,14 +163,14 @@ fn between(from: DVec3, to: DVec3, j: u32, n: u32) -> DVec3 {
     from + (f64::from(j) / f64::from(n)) * (to - from)
 }
 
-fn push(mesh: &mut Mesh, position: DVec3, normal: DVec3, texcoord: DVec2) {
+pub(super) fn push(mesh: &mut Mesh, position: DVec3, normal: DVec3, texcoord: DVec2) {
     mesh.positions.push(position);
     mesh.normals.push(normal);
     mesh.texcoords.push(texcoord);
 }
 
 /// A row of `slices` + 1 vertices, the last at the place of the first.
-fn ring(mesh: &mut Mesh, slices: u32, v: f64, at: impl Fn(u32) -> (DVec3, DVec3)) {
+pub(super) fn ring(mesh: &mut Mesh, slices: u32, v: f64, at: impl Fn(u32) -> (DVec3, DVec3)) {
     for i in 0..=slices {
         let (position, normal) = at(i);
         let u = f64::from(i) / f64::from(slices);
@@ -179,7 +179,7 @@ fn ring(mesh: &mut Mesh, slices: u32, v: f64, at: impl Fn(u32) -> (DVec3, DVec3)
 }
 
 /// Quads between `rows` + 1 rows that follow each other, the first at vertex `first`.
-fn bands(mesh: &mut Mesh, first: u32, slices: u32, rows: u32) {
+pub(super) fn bands(mesh: &mut Mesh, first: u32, slices: u32, rows: u32) {
     for j in 0..rows {
         for i in 0..slices {
             let a = first + j * (slices + 1) + i;

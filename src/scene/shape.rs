@@ -1,5 +1,8 @@
 //! What objects are made of: exact shapes and indexed meshes, in object space.
 
+use std::sync::Arc;
+
+use super::profile::Profile;
 use crate::math::{DVec2, DVec3};
 
 /// An exact shape. Outward is the front side, under any transform.
@@ -72,6 +75,16 @@ pub enum Shape {
         major: f64,
         /// Radius of the tube, > 0.
         minor: f64,
+    },
+    /// A surface of revolution. A closed profile makes a solid, front outside; an open one a sheet without thickness, its
+    /// front to the right of the profile's way (radius to the right, axis up).
+    Revolution {
+        /// The point of the axis where heights are 0.
+        base: DVec3,
+        /// The way heights count, any length but 0; heights are in scene units all the same.
+        axis: DVec3,
+        /// What is turned about the axis.
+        profile: Arc<Profile>,
     },
 }
 

@@ -10,6 +10,7 @@
 //! | `ray` | rays, hits, the spawn offset |
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
 //! | `disk` `cylinder` `cone` `torus` | round shapes, `span` where convex; `body` one interface to them |
+//! | `revolution` `hyperbola` `isolate` | surfaces of revolution, a piece of profile at a time; rays about an axis; roots |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
@@ -36,11 +37,14 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disk;
 pub mod exact;
+mod hyperbola;
 mod instance;
+mod isolate;
 mod media;
 pub mod optics;
 pub mod planar;
 pub mod ray;
+pub mod revolution;
 mod shadow;
 mod solid;
 pub mod span;

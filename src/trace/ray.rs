@@ -60,7 +60,8 @@ pub struct Hit {
     /// Weights of the second and third corner of a triangle; (u, v) of a patch; unused by other shapes.
     pub uv: [f64; 2],
     /// Sphere: 0 near root, 1 far root. Box: face number (-x, +x, -y, ...). Cylinder, cone: face,
-    /// plus 4 where the ray leaves. Torus: number of the crossing. Triangle, patch, disk: 0.
+    /// plus 4 where the ray leaves. Torus: number of the crossing. Surface of revolution: 8 times the piece, plus
+    /// the crossing's number, plus 2^31 where the ray leaves. Triangle, patch, disk: 0.
     pub feature: u32,
     /// The ray arrives from behind: from the inside of a shape, or where a triangle's corners run clockwise.
     pub back: bool,

@@ -1,8 +1,8 @@
 //! Exact shapes placed in the world: what a ray meets of them, in f64.
 //!
 //! Spheres and boxes take the ray to object space without renormalising, so that t is common to all primitives; the
-//! difference to the shape's own place is taken in world space first; so do the round shapes of [`super::body`]. Patches
-//! become parallelograms in the world.
+//! difference to the shape's own place is taken in world space first; so do the round shapes of [`super::body`] and the
+//! pieces of surfaces of revolution, each a solid of its own to the hierarchy. Patches become parallelograms in the world.
 //! A shape that its transform flattens (singular matrix) encloses nothing and is no hit; a patch without area likewise.
 
 use super::body::Body;
@@ -11,11 +11,13 @@ use super::cuboid::{face_normal, slabs};
 use super::exact::{Twofold, unit};
 use super::planar::Shear;
 use super::ray::{Foot, Hit, Ray};
+use super::revolution::Band;
 use super::span::Spot;
 use super::sphere::{Roots, roots};
 use crate::math::transform::{mirrors, normal_matrix};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::scene::{Shape, fit};
+use crate::scene::profile::{Piece, Profile};
+use crate::scene::{Shape, fit, revolution};
 
 /// An exact shape in the world.
 #[derive(Clone, Debug)]
@@ -56,38 +58,41 @@ enum Form {
         size_world: f64,
         bounds: Bounds,
     },
+    /// One piece of a surface of revolution.
+    Turned {
+        anchor_world: DVec3,
+        band: Box<Band>,
+        /// Number of the piece.
+        number: u32,
+        size_world: f64,
+        bounds: Bounds,
+    },
 }
 
+/// Crossings of one piece of a surface of revolution that a hit's feature can tell apart.
+const PER_PIECE: u32 = 8;
+/// Added to the feature where a ray leaves a surface of revolution, so that of equal t the entry comes first.
+const LEAVES: u32 = 1 << 31;
+
 impl Solid {
-    /// Places a shape; `None` where it encloses nothing.
-    pub(super) fn new(
-        shape: &Shape,
-        place: &DAffine3,
-        primitive: u32,
-        object: u32,
-    ) -> Option<Self> {
+    /// Places a shape: one solid, for a surface of revolution one a piece; none where it encloses nothing.
+    pub(super) fn all(shape: &Shape, place: &DAffine3, primitive: u32, object: u32) -> Vec<Self> {
+        let forms = match shape {
+            Shape::Revolution {
+                base,
+                axis,
+                profile,
+            } => turned(*base, *axis, profile, place),
+            _ => form(shape, place).into_iter().collect(),
+        };
+        let place_one = |form| Self::new(form, place, primitive, object);
+        forms.into_iter().filter_map(place_one).collect()
+    }
+
+    fn new(form: Form, place: &DAffine3, primitive: u32, object: u32) -> Option<Self> {
         let linear = place.matrix3;
         let inverse = linear.inverse();
         let identity = linear == DMat3::IDENTITY;
-        let form = match *shape {
-            Shape::Sphere { center, radius } => Form::Sphere {
-                center_world: place.transform_point3(center),
-                radius,
-                radius_world: radius * spread(&linear).max_element(),
-            },
-            Shape::Box { min, max } => Form::Cuboid {
-                min,
-                max,
-                size_world: (linear * (max - min)).abs().max_element(),
-            },
-            Shape::Patch {
-                corner,
-                edge_u,
-                edge_v,
-                tiles,
-            } => patch(place, corner, edge_u, edge_v, tiles)?,
-            _ => round(shape, place)?,
-        };
         let flat = matches!(form, Form::Patch { .. });
         if !flat && !inverse.is_finite() {
             return None;
@@ -126,7 +131,7 @@ impl Solid {
             Form::Patch { corners_world, .. } => {
                 Bounds::of(corners_world.iter().map(|p| DVec3::from_array(*p)))
             }
-            Form::Round { bounds, .. } => *bounds,
+            Form::Round { bounds, .. } | Form::Turned { bounds, .. } => *bounds,
         }
     }
 
@@ -143,11 +148,12 @@ impl Solid {
     pub(super) fn is_convex(&self) -> bool {
         match &self.form {
             Form::Round { body, .. } => body.is_convex(),
+            Form::Turned { .. } => false,
             _ => true,
         }
     }
 
-    /// Every place where the ray meets the shape, at any t, near first; `item` is passed on.
+    /// Every place where the ray meets the shape, at any t; `item` is passed on.
     #[inline]
     pub(super) fn hits(&self, item: u32, ray: &Ray, shear: &Shear, visit: &mut impl FnMut(Hit)) {
         let mut hit = |t: f64, feature: u32, back: bool| {
@@ -180,6 +186,23 @@ impl Solid {
             } => {
                 let (q, d) = self.ray_about(*anchor_world, ray);
                 body.crossings(q, d, hit);
+            }
+            Form::Turned {
+                anchor_world,
+                band,
+                number,
+                ..
+            } => {
+                let (q, d) = self.ray_about(*anchor_world, ray);
+                for (i, crossing) in band.crossings(q, d).iter().enumerate() {
+                    let back = crossing.back;
+                    let leaves = if back { LEAVES } else { 0 };
+                    hit(
+                        crossing.t.value(),
+                        leaves + number * PER_PIECE + i as u32,
+                        back,
+                    );
+                }
             }
             Form::Patch {
                 corners_world,
@@ -247,20 +270,35 @@ impl Solid {
                 ..
             } => {
                 let (q, d) = self.ray_about(*anchor_world, ray);
-                let spot = body.spot(q, d, hit.feature).unwrap_or(Spot {
-                    offset: DVec3::ZERO,
-                    normal: DVec3::ZERO,
-                });
-                let reach = self
-                    .linear
-                    .map_or(spot.offset, |(linear, _)| linear * spot.offset);
-                let foot = Foot {
-                    point: *anchor_world + reach,
-                    normal: self.normal(spot.normal),
-                    scale: *size_world,
-                };
-                (foot, 0)
+                let spot = body.spot(q, d, hit.feature);
+                (self.spot_foot(spot, *anchor_world, *size_world), 0)
             }
+            Form::Turned {
+                anchor_world,
+                band,
+                size_world,
+                ..
+            } => {
+                let (q, d) = self.ray_about(*anchor_world, ray);
+                let spot = band.spot(q, d, (hit.feature % PER_PIECE) as usize);
+                (self.spot_foot(spot, *anchor_world, *size_world), 0)
+            }
+        }
+    }
+
+    /// A spot about an anchor in the world.
+    fn spot_foot(&self, spot: Option<Spot>, anchor_world: DVec3, scale: f64) -> Foot {
+        let spot = spot.unwrap_or(Spot {
+            offset: DVec3::ZERO,
+            normal: DVec3::ZERO,
+        });
+        let reach = self
+            .linear
+            .map_or(spot.offset, |(linear, _)| linear * spot.offset);
+        Foot {
+            point: anchor_world + reach,
+            normal: self.normal(spot.normal),
+            scale,
         }
     }
 
@@ -322,6 +360,48 @@ impl Solid {
             Some(_) => unit(self.normal_world * object),
         }
     }
+}
+
+/// The form of a shape that is one solid.
+fn form(shape: &Shape, place: &DAffine3) -> Option<Form> {
+    Some(match *shape {
+        Shape::Sphere { center, radius } => Form::Sphere {
+            center_world: place.transform_point3(center),
+            radius,
+            radius_world: radius * spread(&place.matrix3).max_element(),
+        },
+        Shape::Box { min, max } => Form::Cuboid {
+            min,
+            max,
+            size_world: (place.matrix3 * (max - min)).abs().max_element(),
+        },
+        Shape::Patch {
+            corner,
+            edge_u,
+            edge_v,
+            tiles,
+        } => patch(place, corner, edge_u, edge_v, tiles)?,
+        _ => round(shape, place)?,
+    })
+}
+
+/// The forms of a surface of revolution, one a piece of its profile.
+fn turned(base: DVec3, axis: DVec3, profile: &Profile, place: &DAffine3) -> Vec<Form> {
+    let [low, high] = profile.heights();
+    let reach = profile.radius() + low.abs().max(high.abs());
+    let size_world = reach * spread(&place.matrix3).max_element();
+    let bands = Band::all(axis, profile).into_iter();
+    let form = |(number, (band, piece)): (usize, (Band, &Piece))| {
+        let bounds = revolution::bounds(base, axis, piece, place);
+        Form::Turned {
+            anchor_world: place.transform_point3(base),
+            band: Box::new(band),
+            number: number as u32,
+            size_world,
+            bounds: Bounds::of([bounds.min, bounds.max]),
+        }
+    };
+    bands.zip(profile.pieces()).enumerate().map(form).collect()
 }
 
 fn patch(place: &DAffine3, corner: DVec3, u: DVec3, v: DVec3, tiles: [u32; 2]) -> Option<Form> {

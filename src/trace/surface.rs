@@ -392,7 +392,7 @@ fn gather<R>(
         match &object.geometry {
             scene::Geometry::Shape(shape) if exact => {
                 let place = &object.world_from_object;
-                if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
+                for solid in Solid::all(shape, place, range.start, index as u32) {
                     items.push(SOLID + solids.len() as u32);
                     solids.push(solid);
                 }

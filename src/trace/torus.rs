@@ -17,6 +17,7 @@
 
 use super::cylinder::split;
 use super::exact::{Twofold, dot2, pairs, unit, values};
+use super::isolate::root;
 use super::span::{Spot, along, unit_scale};
 use crate::math::DVec3;
 
@@ -33,9 +34,6 @@ pub struct Torus {
 
 /// Room around the torus, so that F > 0 at its border.
 const ROOM: f64 = 1.01;
-
-/// Newton steps and halvings together; halving alone needs about 1100 from anywhere to anywhere, and here about 60.
-const MAX_STEPS: u32 = 128;
 
 /// Coefficients of s^0 .. s^4.
 type Quartic = [Twofold; 5];
@@ -213,52 +211,13 @@ fn horner(f: &Quartic, s: f64) -> Twofold {
     (((f[4] * s + f[3]) * s + f[2]) * s + f[1]) * s + f[0]
 }
 
-/// Value and slope.
-fn horner_slope(f: &Quartic, s: f64) -> (Twofold, f64) {
-    let c = f.map(Twofold::value);
-    let slope = ((4.0 * c[4] * s + 3.0 * c[3]) * s + 2.0 * c[2]) * s + c[1];
-    (horner(f, s), slope)
-}
-
 /// The root between `low` and `high`, where the value is <= 0 at `low` alone if `negative`, else at `high` alone.
-fn monotone_root(f: &Quartic, mut low: f64, mut high: f64, negative: bool) -> Twofold {
-    let width = high - low;
-    let mut s = low + 0.5 * width;
-    let mut step = width;
-    for _ in 0..MAX_STEPS {
-        let (value, slope) = horner_slope(f, s);
-        if value.value() == 0.0 {
-            return Twofold::from(s);
-        }
-        if (value.value() <= 0.0) == negative {
-            low = s;
-        } else {
-            high = s;
-        }
-        let newton = value.value() / slope;
-        let next = s - newton;
-        // Newton, unless it leaves the bracket or no longer halves its step.
-        if next >= low && next <= high && newton.abs() <= 0.5 * step.abs() {
-            step = newton;
-            if next == s {
-                break;
-            }
-            s = next;
-        } else {
-            step = 0.5 * (high - low);
-            let middle = low + step;
-            if middle <= low || middle >= high {
-                break;
-            }
-            s = middle;
-        }
-    }
-    // The last place is reached: what is left goes to the low part, unless the slope is too small to say.
-    let (value, slope) = horner_slope(f, s);
-    let rest = value.value() / slope;
-    if rest.abs() <= 4.0 * f64::EPSILON * (s.abs() + width) {
-        Twofold::from(s) - Twofold::from(rest)
-    } else {
-        Twofold::from(s)
-    }
+fn monotone_root(f: &Quartic, low: f64, high: f64, negative: bool) -> Twofold {
+    let c = f.map(Twofold::value);
+    let slope = |s: f64| ((4.0 * c[4] * s + 3.0 * c[3]) * s + 2.0 * c[2]) * s + c[1];
+    let plain = |s: f64| {
+        let value = (((c[4] * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0];
+        (value, slope(s))
+    };
+    root([low, high], negative, plain, |s| (horner(f, s), slope(s)))
 }

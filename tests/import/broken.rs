@@ -433,12 +433,12 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"sphare\"\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found \"sphare\"",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found \"sphare\"",
         "did you mean `sphere`?",
     ),
     (
         "[object.a]\nshape = 3\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found 3",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found 3",
         "",
     ),
     (
@@ -473,7 +473,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"cilinder\"\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus` and `checkered floor`, found \"cilinder\"",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found \"cilinder\"",
         "did you mean `cylinder`?",
     ),
     (
@@ -500,6 +500,56 @@ const FILES: &[(&str, &str, &str)] = &[
         "[object.a]\nshape = \"torus\"\naxis = [0, 0, 0]\n",
         "3:8 axis: expected a direction, found the zero vector",
         "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\n",
+        "1:9 object.a: expected a `profile`: points [radius, height]",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [[1, 0]]\n",
+        "3:11 profile: expected 2 to 1024 points, found 1",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [1, 0, 1, 2]\n",
+        "3:12 profile: expected a point [radius, height], found 1",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [[1, 0], [2, 1], [-1, 2]]\n",
+        "3:28 profile: point 3: expected a radius of 0 or more, found -1.0",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [[1, 0], [2, inf]]\n",
+        "3:24 profile: expected a finite number, found inf",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [[1, 0], [1, 0], [2, 0]]\n",
+        "3:20 profile: point 2: the same point twice in a row",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofile = [[0, 0], [0, 1]]\n",
+        "3:11 profile: all its points are on the axis",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\ncurve = \"bezier\"\nprofile = [[1, 0], [1, 1], [1, 2], [1, 3], [1, 4]]\n",
+        "4:11 profile: expected 3 n + 1 points for n Bezier segments (4, 7, 10 ...), found 5",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\ncurve = \"smoth\"\nprofile = [[1, 0], [1, 1]]\n",
+        "3:9 curve: expected one of `polyline`, `smooth` and `bezier`, found the string \"smoth\"",
+        "did you mean `smooth`?",
+    ),
+    (
+        "[object.a]\nshape = \"revolution\"\nprofil = [[1, 0], [1, 1]]\n",
+        "3:1 object.a has no key `profil`",
+        "did you mean `profile`?",
     ),
     (
         "[object.a]\nshape = \"disk\"\nradius = -1\n",

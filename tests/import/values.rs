@@ -1,11 +1,14 @@
 //! Legal scene files: the values that must come out, overrides, notes.
 
+use std::sync::Arc;
+
 use rastray::gl;
 use rastray::import::{LoadOptions, load};
 use rastray::math::{DAffine3, DVec3};
 use rastray::sampling::Pattern;
 use rastray::scene::{
-    Cull, Fresnel, FrontFace, Geometry, LightSpace, Projection, Shadow, Shape, Snap, Tir,
+    Cull, Curve, Fresnel, FrontFace, Geometry, LightSpace, Profile, Projection, Shadow, Shape,
+    Snap, Tir,
 };
 
 use super::{failure, load_text, mesh_of, notes, scene};
@@ -288,6 +291,19 @@ fn round_shapes_have_their_defaults_and_their_keys() {
     assert_eq!(shape("shape = \"torus\"\n"), ring(o, y, 1.0, 0.25));
     let text = "shape = \"torus\"\ncenter = [1, -2, 3]\naxis = [0, 2, 0]\nmajor_radius = 3\nminor_radius = 1\n";
     assert_eq!(shape(text), ring(point, DVec3::Y * 2.0, 3.0, 1.0));
+    let turned = |base, axis, curve, points: &[[f64; 2]]| Shape::Revolution {
+        base,
+        axis,
+        profile: Arc::new(Profile::new(curve, points).unwrap()),
+    };
+    let points = [[0.0, -1.0], [2.0, 0.0], [1.0, 0.5], [0.5, 1.0]];
+    let text = "shape = \"revolution\"\nprofile = [[0, -1], [2, 0], [1, 0.5], [0.5, 1]]\n";
+    assert_eq!(shape(text), turned(o, y, Curve::Polyline, &points));
+    let text = format!("{text}base = [1, -2, 3]\naxis = [0, 2, 0]\n");
+    for (name, curve) in Curve::NAMES {
+        let text = format!("{text}curve = \"{name}\"\n");
+        assert_eq!(shape(&text), turned(point, y * 2.0, *curve, &points));
+    }
 }
 
 #[test]

@@ -8,11 +8,12 @@ use crate::import::document::{Node, Value};
 use crate::import::keys::{MAX_TESSELLATED, MAX_TILES, Range};
 use crate::import::reader::Section;
 use crate::math::DVec3;
+use crate::scene::profile::{MAX_POINTS, Profile};
 use crate::scene::tessellate::{DEFAULT_LEVEL, triangle_count};
-use crate::scene::{Geometry, Shape};
+use crate::scene::{Curve, Geometry, Shape};
 
 /// Shapes whose level counts slices of a full turn.
-const ROUND: &[&str] = &["sphere", "disk", "cylinder", "cone", "torus"];
+const ROUND: &[&str] = &["sphere", "disk", "cylinder", "cone", "torus", "revolution"];
 
 impl<'a> Reader<'a> {
     pub(super) fn shape(
@@ -48,6 +49,7 @@ impl<'a> Reader<'a> {
             "cylinder" => cylinder(section)?,
             "cone" => cone(section)?,
             "torus" => torus(section)?,
+            "revolution" => revolution(section)?,
             _ => floor(section)?,
         };
         self.count_triangles(section, &shape, tessellation)?;
@@ -186,6 +188,35 @@ fn torus(section: &Section<'_>) -> Result<Shape, Error> {
         axis: section.direction("axis")?.unwrap_or(DVec3::Y),
         major,
         minor,
+    })
+}
+
+fn revolution(section: &Section<'_>) -> Result<Shape, Error> {
+    let expected = "points [radius, height]";
+    let Some(items) = section.list("profile", expected)? else {
+        return Err(section.error(format!("expected a `profile`: {expected}")));
+    };
+    if items.len() > MAX_POINTS {
+        let message = format!(
+            "expected at most {MAX_POINTS} points, found {}",
+            items.len()
+        );
+        return Err(section.error_at("profile", message));
+    }
+    let point = |node: &Node| section.array::<2>("profile", node, "a point [radius, height]");
+    let points: Vec<[f64; 2]> = items.iter().map(point).collect::<Result<_, _>>()?;
+    let curve = section.choice("curve", Curve::NAMES)?.unwrap_or_default();
+    let profile = Profile::new(curve, &points).map_err(|flaw| match flaw.point {
+        Some(i) => {
+            let message = format!("profile: point {}: {}", i + 1, flaw.message);
+            section.document.error(&items[i].span, message)
+        }
+        None => section.error_at("profile", flaw.message),
+    })?;
+    Ok(Shape::Revolution {
+        base: section.vector("base")?.unwrap_or_default(),
+        axis: section.direction("axis")?.unwrap_or(DVec3::Y),
+        profile: Arc::new(profile),
     })
 }
 
