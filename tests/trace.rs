@@ -762,6 +762,7 @@ fn scaled(mut shape: Shape, k: f64) -> Shape {
             *major *= k;
             *minor *= k;
         }
+        Shape::Bezier { points, .. } => *points = points.iter().map(|p| *p * k).collect(),
     }
     shape
 }

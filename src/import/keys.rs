@@ -17,6 +17,10 @@ pub const MAX_TESSELLATED: u64 = 1 << 24;
 pub const MAX_MESH_TRIANGLES: u64 = 1 << 27;
 /// Largest number of tiles along one side of a patch.
 pub const MAX_TILES: u32 = 4096;
+/// Largest number of Bezier patches of an object.
+pub const MAX_PATCHES: u32 = 1 << 16;
+/// Largest number of their control points.
+pub const MAX_PATCH_POINTS: u32 = 1 << 20;
 /// Deepest recursion that a file may ask for.
 pub const MAX_DEPTH: u32 = 1 << 20;
 
@@ -97,6 +101,8 @@ pub(crate) enum Kind {
     Corners,
     /// Vertex numbers, flat triples or nested faces.
     Indices,
+    /// Bezier patches of sixteen point numbers, or the name of a file.
+    Patches,
     /// A list of names.
     Names,
     /// A list of steps.
@@ -388,6 +394,23 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
             key("axis", Kind::Vector, "[0, 1, 0]", "Axis of the ring"),
             key("major_radius", Kind::Number(Range::Above(0.0)), "1", "From the centre to the middle of the tube"),
             key("minor_radius", Kind::Number(Range::Above(0.0)), "0.25", "Radius of the tube, below major_radius"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "bezier",
+        &[
+            key("points", Kind::Numbers, "", "Control points: [[x, y, z], ...]"),
+            key("patches", Kind::Patches, "", "Bicubic patches: [[16 point numbers from 0], ...], four rows (v) of four (u), front = du x dv; or a file, its path relative to this file"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "teapot",
+        &[
+            key("base", Kind::Vector, "[0, 0, 0]", "Middle of its bottom; its spout points along +x"),
+            key("radius", Kind::Number(Range::Above(0.0)), "1", "Radius of its body"),
+            key("height", Kind::Number(Range::Above(0.0)), "", "From the bottom to the top of the knob, instead of radius: 1.575 times that"),
             TESSELLATION,
         ],
     ),

@@ -4,12 +4,14 @@
 //! that the rasterizer draws and `--geometry mesh` traces; [`requirements`] says which features the scene needs.
 
 pub mod assembly;
+pub mod bezier;
 pub mod camera;
 pub mod fit;
 pub mod optics;
 pub mod requirements;
 pub mod round;
 pub mod shape;
+pub mod teapot;
 pub mod tessellate;
 
 use std::sync::Arc;

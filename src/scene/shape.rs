@@ -1,5 +1,7 @@
 //! What objects are made of: exact shapes and indexed meshes, in object space.
 
+use std::sync::Arc;
+
 use crate::math::{DVec2, DVec3};
 
 /// An exact shape. Outward is the front side, under any transform.
@@ -72,6 +74,13 @@ pub enum Shape {
         major: f64,
         /// Radius of the tube, > 0.
         minor: f64,
+    },
+    /// Bicubic Bezier patches, a surface without thickness: front is the side of du x dv ([`super::bezier`]).
+    Bezier {
+        /// Control points.
+        points: Arc<[DVec3]>,
+        /// Sixteen control points each, by number from 0: four rows (v) of four (u).
+        patches: Arc<[[u32; 16]]>,
     },
 }
 

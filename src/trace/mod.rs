@@ -10,6 +10,7 @@
 //! | `ray` | rays, hits, the spawn offset |
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
 //! | `disk` `cylinder` `cone` `torus` | round shapes, `span` where convex; `body` one interface to them |
+//! | `bezier` | bicubic patches |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` | the hierarchy |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
@@ -27,6 +28,7 @@
 //!
 //! Left out: instances, textures, packets; a camera inside a medium starts in air all the same.
 
+mod bezier;
 mod body;
 mod branch;
 pub mod build;

@@ -2,9 +2,12 @@
 //!
 //! Spheres and boxes take the ray to object space without renormalising, so that t is common to all primitives; the
 //! difference to the shape's own place is taken in world space first; so do the round shapes of [`super::body`]. Patches
-//! become parallelograms in the world.
+//! become parallelograms in the world, Bezier patches pieces of [`super::bezier`], each a solid of its own.
 //! A shape that its transform flattens (singular matrix) encloses nothing and is no hit; a patch without area likewise.
 
+use std::sync::Arc;
+
+use super::bezier::{MAX_CROSSINGS, Sheet};
 use super::body::Body;
 use super::build::Bounds;
 use super::cuboid::{face_normal, slabs};
@@ -56,16 +59,37 @@ enum Form {
         size_world: f64,
         bounds: Bounds,
     },
+    /// One piece of a set of patches.
+    Piece { sheet: Arc<Sheet>, piece: u32 },
 }
 
 impl Solid {
+    /// Places a shape as one solid, Bezier patches as one for each of their pieces; none where it encloses nothing.
+    pub(super) fn place(shape: &Shape, place: &DAffine3, primitive: u32, object: u32) -> Vec<Self> {
+        let Shape::Bezier { points, patches } = shape else {
+            return Self::new(shape, place, primitive, object)
+                .into_iter()
+                .collect();
+        };
+        let Some(sheet) = Sheet::new(points, patches, place).map(Arc::new) else {
+            return Vec::new();
+        };
+        let solid = |piece: u32| Self {
+            primitive,
+            object,
+            form: Form::Piece {
+                sheet: Arc::clone(&sheet),
+                piece,
+            },
+            linear: None,
+            normal_world: DMat3::IDENTITY,
+            place: DAffine3::IDENTITY,
+        };
+        (0..sheet.len() as u32).map(solid).collect()
+    }
+
     /// Places a shape; `None` where it encloses nothing.
-    pub(super) fn new(
-        shape: &Shape,
-        place: &DAffine3,
-        primitive: u32,
-        object: u32,
-    ) -> Option<Self> {
+    fn new(shape: &Shape, place: &DAffine3, primitive: u32, object: u32) -> Option<Self> {
         let linear = place.matrix3;
         let inverse = linear.inverse();
         let identity = linear == DMat3::IDENTITY;
@@ -127,6 +151,7 @@ impl Solid {
                 Bounds::of(corners_world.iter().map(|p| DVec3::from_array(*p)))
             }
             Form::Round { bounds, .. } => *bounds,
+            Form::Piece { sheet, piece } => sheet.bounds(*piece),
         }
     }
 
@@ -143,6 +168,7 @@ impl Solid {
     pub(super) fn is_convex(&self) -> bool {
         match &self.form {
             Form::Round { body, .. } => body.is_convex(),
+            Form::Piece { .. } => false,
             _ => true,
         }
     }
@@ -180,6 +206,21 @@ impl Solid {
             } => {
                 let (q, d) = self.ray_about(*anchor_world, ray);
                 body.crossings(q, d, hit);
+            }
+            Form::Piece { sheet, piece } => {
+                let (primitive, mut feature) = (self.primitive, piece * MAX_CROSSINGS);
+                sheet.crossings(*piece, shear, |c| {
+                    let (t, uv, back) = (c.t, c.uv, c.back);
+                    visit(Hit {
+                        t,
+                        primitive,
+                        item,
+                        uv,
+                        feature,
+                        back,
+                    });
+                    feature += 1;
+                });
             }
             Form::Patch {
                 corners_world,
@@ -240,6 +281,7 @@ impl Solid {
                 };
                 (foot, tile(u, tiles[0]) + tile(v, tiles[1]))
             }
+            Form::Piece { sheet, piece } => (sheet.foot(*piece, ray, hit.uv), 0),
             Form::Round {
                 anchor_world,
                 body,

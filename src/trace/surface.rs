@@ -317,7 +317,7 @@ fn gather<R>(scene: &Scene, assembly: &Assembly<R>, exact: bool) -> (Vec<u32>, V
         match &object.geometry {
             scene::Geometry::Shape(shape) if exact => {
                 let place = &object.world_from_object;
-                if let Some(solid) = Solid::new(shape, place, range.start, index as u32) {
+                for solid in Solid::place(shape, place, range.start, index as u32) {
                     items.push(SOLID + solids.len() as u32);
                     solids.push(solid);
                 }

@@ -12,7 +12,9 @@ use crate::scene::tessellate::{DEFAULT_LEVEL, triangle_count};
 use crate::scene::{Geometry, Shape};
 
 /// Shapes whose level counts slices of a full turn.
-const ROUND: &[&str] = &["sphere", "disk", "cylinder", "cone", "torus"];
+const ROUND: &[&str] = &[
+    "sphere", "disk", "cylinder", "cone", "torus", "bezier", "teapot",
+];
 
 impl<'a> Reader<'a> {
     pub(super) fn shape(
@@ -48,6 +50,8 @@ impl<'a> Reader<'a> {
             "cylinder" => cylinder(section)?,
             "cone" => cone(section)?,
             "torus" => torus(section)?,
+            "bezier" => self.bezier(section)?,
+            "teapot" => super::bezier::teapot(section)?,
             _ => floor(section)?,
         };
         self.count_triangles(section, &shape, tessellation)?;
