@@ -182,7 +182,7 @@ mod tests {
             ),
             (
                 format!("1 {numbers} 17 {points}"),
-                "16:9",
+                "16:10",
                 "expected a coordinate, found the end of the file",
             ),
         ] {
