@@ -64,10 +64,16 @@ fn slope(p: [DVec3; 4], [s, t]: [f64; 2]) -> DVec3 {
 /// The point and its derivatives at weights (1 - u, u) and (1 - v, v).
 #[inline]
 fn jet_at(net: &Net, u: [f64; 2], v: [f64; 2]) -> Jet {
-    let rows = net.map(|row| curve(row, u));
-    let (point, dv) = (curve(rows, v), slope(rows, v));
-    let du = curve(net.map(|row| slope(row, u)), v);
-    Jet { point, du, dv }
+    let (mut rows, mut slopes) = ([DVec3::ZERO; 4], [DVec3::ZERO; 4]);
+    for i in 0..4 {
+        rows[i] = curve(net[i], u);
+        slopes[i] = slope(net[i], u);
+    }
+    Jet {
+        point: curve(rows, v),
+        du: curve(slopes, v),
+        dv: slope(rows, v),
+    }
 }
 
 /// The point and its derivatives.

@@ -24,8 +24,12 @@
 //! never one alone. Flat pieces seen exactly edge-on are nothing.
 //!
 //! *Accuracy.* Where it is kept, a hit's (u, v) is polished once with the distance to the ray in pairs of f64; the point and the
-//! normal are evaluated there, on the piece. Measured in `tests/bezier.rs` against pairs throughout: points lie on the ray within 4 ulp of the set's size,
-//! with the origin up to 2^20 sizes away. [`Foot::scale`] is the size of the set, above all that is lost.
+//! normal are evaluated there, on the piece. Measured in `tests/bezier.rs` with pairs throughout: points of the teapot, 6.4 long,
+//! lie within 3.1e-16 of the ray, times 1 / cosine of its slant, from 10 to 2^20 lengths away; normals of a parabolic sheet
+//! are right within 4e-15. [`Foot::scale`] is the size of the set, above all that is lost.
+//!
+//! *Cost* (2026-11, one x86-64 thread, CPU time, dev profile at opt-level 2): 1024 x 1024 primary rays on the teapot, 37.7 % hit, 1.25
+//! pieces a ray, 1.1 s; on its 16,160 triangles at level 64, 0.5 s.
 //!
 //! *Media.* A set is a surface without thickness, like an open tube: each crossing enters or leaves. A closed set is a solid; the
 //! teapot is not (its spout is open, its handle ends inside).
@@ -37,7 +41,7 @@ use super::exact::{Twofold, add_scaled, dot2, pairs, sign_of_difference, unit, v
 use super::planar::Shear;
 use super::ray::{Foot, Ray};
 use crate::math::transform::mirrors;
-use crate::math::{DAffine3, DVec3};
+use crate::math::{DAffine3, DVec2, DVec3};
 use crate::scene::bezier::{self, Net, halve, halve_u, halve_v, jet};
 
 /// Crossings of one piece are numbered below this; a line meets a bicubic patch at most 18 times.
@@ -94,8 +98,16 @@ impl Sheet {
     /// Shows every crossing of a piece, at any t, in no particular order.
     #[inline]
     pub(super) fn crossings(&self, piece: u32, shear: &Shear, mut visit: impl FnMut(Crossing)) {
-        let net = self.pieces[piece as usize].map(|row| row.map(|p| shear.place(p)));
-        if is_aside(&net) {
+        let mut part = Part {
+            net: [[DVec3::ZERO; 4]; 4],
+            corner: [0.0; 2],
+            level: [0; 2],
+        };
+        let piece = self.pieces[piece as usize].iter().flatten();
+        for (sheared, p) in part.net.iter_mut().flatten().zip(piece) {
+            *sheared = shear.place(*p);
+        }
+        if is_aside(&part.net) {
             return;
         }
         let mut show = |(depth, uv, turn): (f64, [f64; 2], i32)| {
@@ -104,11 +116,6 @@ impl Sheet {
             if t.is_finite() {
                 visit(Crossing { t, uv, back });
             }
-        };
-        let part = Part {
-            net,
-            corner: [0.0; 2],
-            level: [0; 2],
         };
         search(&part, &mut 0, &mut show);
     }
@@ -183,7 +190,9 @@ fn search(part: &Part, spent: &mut u32, show: &mut impl FnMut((f64, [f64; 2], i3
         if turns == 0 {
             return;
         }
-        if let Some((depth, at)) = newton(&part.net) {
+        if turns.abs() == 1
+            && let Some((depth, at)) = newton(&part.net)
+        {
             return show((depth, part.place(at), turns));
         }
     } else if turns == 0 && *spent >= BUDGET {
@@ -250,9 +259,14 @@ fn crossings_of_half_line(p: [DVec3; 4], level: u32) -> i32 {
 /// of the control points' differences. Differences of 0 (a border that is a point) turn nowhere.
 #[inline]
 fn is_regular(net: &Net) -> bool {
-    let along_u = |k: usize| net[k / 3][k % 3 + 1] - net[k / 3][k % 3];
-    let along_v = |k: usize| net[k % 3 + 1][k / 3] - net[k % 3][k / 3];
-    let (Some(u), Some(v)) = (cone(along_u), cone(along_v)) else {
+    let (mut along_u, mut along_v) = ([DVec2::ZERO; 12], [DVec2::ZERO; 12]);
+    for i in 0..4 {
+        for k in 0..3 {
+            along_u[3 * i + k] = (net[i][k + 1] - net[i][k]).truncate();
+            along_v[3 * i + k] = (net[k + 1][i] - net[k][i]).truncate();
+        }
+    }
+    let (Some(u), Some(v)) = (cone(&along_u), cone(&along_v)) else {
         return false;
     };
     let turn = |a: usize, b: usize| u[a].perp_dot(v[b]);
@@ -262,14 +276,16 @@ fn is_regular(net: &Net) -> bool {
 
 /// The two outermost of twelve directions in the plane, clockwise one first; `None` where they fill half the plane or more.
 #[inline]
-fn cone(direction: impl Fn(usize) -> DVec3) -> Option<[crate::math::DVec2; 2]> {
-    let all: [_; 12] = std::array::from_fn(|k| direction(k).truncate());
-    let middle: crate::math::DVec2 = all.iter().sum();
+fn cone(directions: &[DVec2; 12]) -> Option<[DVec2; 2]> {
+    let mut middle = DVec2::ZERO;
+    for d in directions {
+        middle += *d;
+    }
     let (mut first, mut last) = (middle, middle);
-    for d in all {
+    for &d in directions {
         let ahead = d.dot(middle);
         if ahead <= 0.0 {
-            if d == crate::math::DVec2::ZERO {
+            if d == DVec2::ZERO {
                 continue;
             }
             return None;
@@ -281,7 +297,7 @@ fn cone(direction: impl Fn(usize) -> DVec3) -> Option<[crate::math::DVec2; 2]> {
             last = d;
         }
     }
-    (middle != crate::math::DVec2::ZERO).then_some([first, last])
+    (middle != DVec2::ZERO).then_some([first, last])
 }
 
 /// The crossing in a regular part: depth and (s, t) in 0..=1, or `None` where it is not found there.

@@ -417,7 +417,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"bezier\"\npoints = [[0, 0, nan]]\npatches = [[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]]\n",
-        "3:18 points: expected a finite number, found nan",
+        "3:18 points: expected a finite number, found NaN",
         "",
     ),
     (
