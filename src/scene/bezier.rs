@@ -358,8 +358,8 @@ mod tests {
                     let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
                     let face = (b - a).cross(c - a);
                     let n: DVec3 = t.iter().map(|i| mesh.normals[*i as usize]).sum();
-                    assert!(face != DVec3::ZERO, "{level}: {t:?}");
-                    // One cell for half a turn, as the handle's at 4, has no side.
+                    // One cell has the corners alone: the spout's mouth is a line, and half a turn of the handle has no side.
+                    assert!(level < 8 || face != DVec3::ZERO, "{level}: {t:?}");
                     assert!(level < 32 || face.dot(n) > 0.0, "{level}: {t:?}");
                 }
             }
