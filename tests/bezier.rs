@@ -694,7 +694,7 @@ fn the_teapots_figures_are_newells() {
     }
     // Extent of the surface: spout, handle, body, knob.
     let bounds = fit::of_shape(&pot, &DAffine3::IDENTITY).unwrap();
-    let mesh = tessellate(&pot, 2048, 1);
+    let mesh = tessellate(&pot, 512, 1);
     let reach = |of: &dyn Fn(&DVec3) -> f64| mesh.positions.iter().map(of).fold(0.0, f64::max);
     let found = [
         reach(&|p| p.x),
