@@ -382,6 +382,46 @@ fn a_ray_through_a_convex_set_enters_once_and_leaves_once() {
 }
 
 #[test]
+fn normals_have_their_limits_where_control_points_coincide() {
+    // Plane patches, front +z: a row of one point, two rows in one, two columns in one, three corners in one, at each end.
+    let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.0, 1.5, 2.0, 3.0]);
+    let plane = |move_to: &dyn Fn(usize, usize) -> (usize, usize)| {
+        let point = |k: usize| {
+            let (i, j) = move_to(k / 4, k % 4);
+            v(x[j], y[i], 0.0) + v(5.0, -3.0, 2.0)
+        };
+        sheet((0..16).map(point).collect())
+    };
+    let shapes = [
+        plane(&|i, j| if i == 0 { (0, 0) } else { (i, j) }),
+        plane(&|i, j| if i == 3 { (3, 3) } else { (i, j) }),
+        plane(&|i, j| if j == 0 { (2, 0) } else { (i, j) }),
+        plane(&|i, j| if j == 3 { (1, 3) } else { (i, j) }),
+        plane(&|i, j| (if i == 1 { 0 } else { i }, j)),
+        plane(&|i, j| (i, if j == 2 { 3 } else { j })),
+        plane(&|i, j| if i + j < 2 { (0, 0) } else { (i, j) }),
+        plane(&|i, j| if i + j > 4 { (3, 3) } else { (i, j) }),
+    ];
+    for (k, shape) in shapes.iter().enumerate() {
+        let net = nets(shape)[0];
+        for (s, t) in (0..81).map(|k| (f64::from(k % 9) / 8.0, f64::from(k / 9) / 8.0)) {
+            let n = normal(&net, s, t);
+            assert!((n - DVec3::Z).length() < 1e-15, "{k} {s} {t}: {n}");
+        }
+    }
+    // Nothing but a line: no normal, no hit, no NaN.
+    let line_only = sheet((0..16).map(|k| v(f64::from(k), 0.0, 0.0)).collect());
+    assert_eq!(normal(&nets(&line_only)[0], 0.25, 0.5), DVec3::ZERO);
+    exact(&line_only, |plan, walker| {
+        assert!(all(plan, walker, &Ray::new(v(7.0, 0.0, 4.0), DVec3::NEG_Z)).is_empty());
+    });
+    let one_point = sheet(vec![DVec3::ONE; 16]);
+    exact(&one_point, |plan, walker| {
+        assert!(all(plan, walker, &Ray::new(v(1.0, 1.0, 4.0), DVec3::NEG_Z)).is_empty());
+    });
+}
+
+#[test]
 fn rays_along_the_surface_end_and_lose_crossings_in_pairs_only() {
     // A quarter of a tube with straight rulings along z, met along them, and a flat patch met edge-on.
     let mut c = [[DVec3::ZERO; 4]; 4];

@@ -5,9 +5,9 @@
 //! *Shared borders.* A border depends on its own four control points alone, and each routine here gives the same bits for
 //! them in reverse order. So patches that share a border meet in the same points, in both renderers.
 //!
-//! *Normals* are exact up to rounding. Where du x dv is 0, its limit from the inside of the patch counts: on a border that is a single
-//! point (as on the teapot's knob), or whose neighbouring row lies on it, by the next derivative; anywhere else by a point 2^-20
-//! of the way to the middle. A patch without area has the zero vector.
+//! *Normals* are exact up to rounding. Where du x dv is 0, its limit on the way from the middle of the patch counts: on a border that
+//! is a single point (as on the teapot's knob), or whose neighbouring points lie on it, by the next derivatives; where those are 0
+//! too, by a point 2^-20 of the way to the middle. A patch without area has the zero vector.
 //!
 //! *Mesh.* With N = level, each patch becomes n x n cells of two triangles, n = N / 4 rounded up (a teapot's patch is a quarter turn),
 //! less those that a border shrunk to a point leaves without area. Chord error: linear interpolation over a triangle with legs 1 / n
@@ -61,6 +61,13 @@ fn slope(p: [DVec3; 4], [s, t]: [f64; 2]) -> DVec3 {
     3.0 * between(between(a, b), between(b, c))
 }
 
+/// d^2/dt^2 of a curve.
+#[inline]
+fn bend(p: [DVec3; 4], [s, t]: [f64; 2]) -> DVec3 {
+    let (a, b, c) = (p[1] - p[0], p[2] - p[1], p[3] - p[2]);
+    6.0 * (s * (b - a) + t * (c - b))
+}
+
 /// The point and its derivatives at weights (1 - u, u) and (1 - v, v).
 #[inline]
 fn jet_at(net: &Net, u: [f64; 2], v: [f64; 2]) -> Jet {
@@ -103,14 +110,13 @@ pub fn normal(net: &Net, u: f64, v: f64) -> DVec3 {
     if n != DVec3::ZERO {
         return unit(n);
     }
-    // d/dv of (du x dv) where du = 0 all along a border of constant v; likewise for u.
-    let mixed = mixed(&net, u, v);
-    let inwards = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
-    if at.du == DVec3::ZERO {
-        n = inwards(v) * mixed.cross(at.dv);
-    } else if at.dv == DVec3::ZERO {
-        n = inwards(u) * at.du.cross(mixed);
-    }
+    // Its first change on the way to the middle.
+    let (wu, wv) = ([1.0 - u, u], [1.0 - v, v]);
+    let uu = curve(net.map(|row| bend(row, wu)), wv);
+    let uv = slope(net.map(|row| slope(row, wu)), wv);
+    let vv = bend(net.map(|row| curve(row, wu)), wv);
+    let (to_u, to_v) = (0.5 - u, 0.5 - v);
+    n = (to_u * uu + to_v * uv).cross(at.dv) + at.du.cross(to_u * uv + to_v * vv);
     let mut step = 1.0 / f64::from(1 << 20);
     while n == DVec3::ZERO && step <= 1.0 {
         let near = jet(&net, u + step * (0.5 - u), v + step * (0.5 - v));
@@ -118,11 +124,6 @@ pub fn normal(net: &Net, u: f64, v: f64) -> DVec3 {
         step *= 2.0;
     }
     unit(n)
-}
-
-/// d^2 point / du dv.
-fn mixed(net: &Net, u: f64, v: f64) -> DVec3 {
-    slope(net.map(|row| slope(row, [1.0 - u, u])), [1.0 - v, v])
 }
 
 /// The net relative to its first corner, and that corner: so far from the origin differences keep their digits. Lengths are scaled
