@@ -763,6 +763,7 @@ fn scaled(mut shape: Shape, k: f64) -> Shape {
             *minor *= k;
         }
         Shape::Revolution { .. } => panic!("tests/revolution.rs scales surfaces of revolution"),
+        Shape::Bezier { points, .. } => *points = points.iter().map(|p| *p * k).collect(),
     }
     shape
 }

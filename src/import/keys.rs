@@ -17,6 +17,10 @@ pub const MAX_TESSELLATED: u64 = 1 << 24;
 pub const MAX_MESH_TRIANGLES: u64 = 1 << 27;
 /// Largest number of tiles along one side of a patch.
 pub const MAX_TILES: u32 = 4096;
+/// Largest number of Bezier patches of an object.
+pub const MAX_PATCHES: u32 = 1 << 16;
+/// Largest number of their control points.
+pub const MAX_PATCH_POINTS: u32 = 1 << 20;
 /// Deepest recursion that a file may ask for.
 pub const MAX_DEPTH: u32 = 1 << 20;
 
@@ -99,6 +103,8 @@ pub(crate) enum Kind {
     Profile,
     /// Vertex numbers, flat triples or nested faces.
     Indices,
+    /// Bezier patches of sixteen point numbers, or the name of a file.
+    Patches,
     /// A list of names.
     Names,
     /// A list of steps.
@@ -401,6 +407,23 @@ pub(crate) const SHAPES: &[(&str, &[KeyInfo])] = &[
             key("axis", Kind::Vector, "[0, 1, 0]", "The way heights count; its length does not matter"),
             key("profile", Kind::Profile, "", "Points [radius, height]; upwards = front outside. Both ends on the axis, or the first point again at the end: a solid"),
             key("curve", Kind::Choice(|| names(Curve::NAMES)), "\"polyline\"", "How they are joined: straight; smooth through all points, creased at one written twice; or point, control, control, point ..."),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "bezier",
+        &[
+            key("points", Kind::Numbers, "", "Control points: [[x, y, z], ...]"),
+            key("patches", Kind::Patches, "", "Bicubic patches: [[16 point numbers from 0], ...], four rows (v) of four (u), front = du x dv; or a file, its path relative to this file"),
+            TESSELLATION,
+        ],
+    ),
+    (
+        "teapot",
+        &[
+            key("base", Kind::Vector, "[0, 0, 0]", "Middle of its bottom; its spout points along +x"),
+            key("radius", Kind::Number(Range::Above(0.0)), "1", "Radius of its body"),
+            key("height", Kind::Number(Range::Above(0.0)), "", "From the bottom to the top of the knob, instead of radius: 1.575 times that"),
             TESSELLATION,
         ],
     ),

@@ -11,6 +11,7 @@
 //! # Ok::<(), rastray::error::Error>(())
 //! ```
 
+mod bpt;
 mod document;
 mod head;
 mod include;

@@ -183,6 +183,11 @@ fn structure(kind: Kind) -> Value {
                 json!({ "type": "array", "items": face }),
             ])
         }
+        Kind::Patches => {
+            let index = json!({ "type": "integer", "minimum": 0 });
+            let patches = json!({ "type": "array", "items": list(&index, 16, 16), "minItems": 1 });
+            any_of(&[patches, json!({ "type": "string" })])
+        }
         Kind::Names => json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 }),
         Kind::Transform => {
             let mut step = section(&[keys::STEPS], "One step");

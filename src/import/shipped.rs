@@ -64,6 +64,7 @@ const SCENES: &[Shipped] = scenes! {
     "study/": [
         "gl-materials",
         "gouraud-phong",
+        "teapot",
         "highlight-half-vector",
         "highlight-reflection",
         "box-room",

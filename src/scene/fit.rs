@@ -1,7 +1,7 @@
 //! Bounds of a scene, and the cameras and near distances that follow from them where a file is silent.
 //!
-//! World space, f64. Bounds are exact for every shape under any affine transform, and the vertices' own
-//! for meshes. Nothing here is an absolute distance: every rule scales with the scene.
+//! World space, f64. Bounds are exact for every shape under any affine transform (Bezier patches: wider by their pieces'
+//! chord error at most), and the vertices' own for meshes. Nothing here is an absolute distance: every rule scales with the scene.
 
 use super::{Camera, Geometry, Object, Projection, Shape, revolution};
 use crate::math::{DAffine3, DVec2, DVec3};
@@ -150,6 +150,13 @@ pub fn of_shape(shape: &Shape, m: &DAffine3) -> Option<Bounds> {
             pieces
                 .map(|piece| revolution::bounds(base, axis, piece, m))
                 .reduce(|a, b| a.union(&b))
+        }
+        Shape::Bezier {
+            ref points,
+            ref patches,
+        } => {
+            let [min, max] = super::bezier::bounds(points, patches, m)?;
+            Some(Bounds { min, max })
         }
     }
 }

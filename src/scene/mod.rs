@@ -4,6 +4,7 @@
 //! that the rasterizer draws and `--geometry mesh` traces; [`requirements`] says which features the scene needs.
 
 pub mod assembly;
+pub mod bezier;
 pub mod camera;
 pub mod fit;
 pub mod optics;
@@ -13,6 +14,7 @@ pub mod requirements;
 pub mod revolution;
 pub mod round;
 pub mod shape;
+pub mod teapot;
 pub mod tessellate;
 
 use std::sync::Arc;

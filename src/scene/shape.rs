@@ -86,6 +86,13 @@ pub enum Shape {
         /// What is turned about the axis.
         profile: Arc<Profile>,
     },
+    /// Bicubic Bezier patches, a surface without thickness: front is the side of du x dv ([`super::bezier`]).
+    Bezier {
+        /// Control points.
+        points: Arc<[DVec3]>,
+        /// Sixteen control points each, by number from 0: four rows (v) of four (u).
+        patches: Arc<[[u32; 16]]>,
+    },
 }
 
 /// An indexed triangle mesh. Counter-clockwise from outside = front; the provoking vertex is the last of a triangle.

@@ -3,10 +3,11 @@
 //! A sphere of `level` slices and `level / 2` stacks has its vertices on the sphere; with step a = 2 pi / level the
 //! mesh lies at most r (1 - cos(a / 2)^2) inside it (a quarter turn of slices and of stacks at once), about
 //! r a^2 / 4 = r pi^2 / level^2. Its vertex normals are exact. Flat shapes have no such error: a level only adds vertices.
-//! The other round shapes stand in [`super::round`], surfaces of revolution in [`super::revolution`].
+//! The other round shapes stand in [`super::round`], surfaces of revolution in [`super::revolution`], Bezier patches in
+//! [`super::bezier`].
 
 use super::shape::{Mesh, Shape};
-use super::{revolution, round};
+use super::{bezier, revolution, round};
 use crate::math::{DVec2, DVec3};
 
 /// Level where neither the scene nor the command line says: slices of a full turn.
@@ -53,6 +54,10 @@ pub fn tessellate(shape: &Shape, level: u32, cells: u32) -> Mesh {
             axis,
             ref profile,
         } => revolution::mesh(base, axis, profile, level),
+        Shape::Bezier {
+            ref points,
+            ref patches,
+        } => bezier::mesh(points, patches, level),
     }
 }
 
@@ -72,6 +77,7 @@ pub fn triangle_count(shape: &Shape, level: u32, cells: u32) -> u64 {
         }
         Shape::Torus { .. } => 2 * slices * tube,
         Shape::Revolution { profile, .. } => revolution::triangle_count(profile, level),
+        Shape::Bezier { points, patches } => bezier::triangle_count(points, patches, level),
     }
 }
 

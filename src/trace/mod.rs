@@ -11,6 +11,7 @@
 //! | `planar` `sphere` `cuboid` | what a ray meets: triangle, parallelogram, sphere, box |
 //! | `disk` `cylinder` `cone` `torus` | round shapes, `span` where convex; `body` one interface to them |
 //! | `revolution` `hyperbola` `isolate` | surfaces of revolution, a piece of profile at a time; rays about an axis; roots |
+//! | `bezier` | bicubic patches |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
@@ -28,6 +29,7 @@
 //!
 //! Left out: textures, packets; a camera inside a medium starts in air all the same.
 
+mod bezier;
 mod body;
 mod branch;
 pub mod build;

@@ -82,6 +82,19 @@ impl Shear {
         }
     }
 
+    /// A vertex in the sheared plane, as (x, y, depth).
+    #[inline]
+    pub(super) fn place(&self, v: DVec3) -> DVec3 {
+        let Sheared { x, y, z } = self.vertex(v.to_array());
+        DVec3::new(x, y, z)
+    }
+
+    /// t at a depth.
+    #[inline]
+    pub(super) fn t(&self, depth: f64) -> f64 {
+        depth / self.along
+    }
+
     /// Hit of a triangle, at any t.
     #[inline]
     pub fn triangle(&self, corners: [[f64; 3]; 3]) -> Option<PlanarHit> {

@@ -57,11 +57,12 @@ pub struct Hit {
     pub primitive: u32,
     /// Where the primitive's data stand.
     pub item: u32,
-    /// Weights of the second and third corner of a triangle; (u, v) of a patch; unused by other shapes.
+    /// Weights of the second and third corner of a triangle; (u, v) of a patch or a piece of one; unused by other shapes.
     pub uv: [f64; 2],
     /// Sphere: 0 near root, 1 far root. Box: face number (-x, +x, -y, ...). Cylinder, cone: face,
     /// plus 4 where the ray leaves. Torus: number of the crossing. Surface of revolution: 8 times the piece, plus
-    /// the crossing's number, plus 2^31 where the ray leaves. Triangle, patch, disk: 0.
+    /// the crossing's number, plus 2^31 where the ray leaves. Bezier patches: 32 times the piece, plus the number of the
+    /// crossing. Triangle, patch, disk: 0.
     pub feature: u32,
     /// The ray arrives from behind: from the inside of a shape, or where a triangle's corners run clockwise.
     pub back: bool,

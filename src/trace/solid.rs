@@ -2,9 +2,13 @@
 //!
 //! Spheres and boxes take the ray to object space without renormalising, so that t is common to all primitives; the
 //! difference to the shape's own place is taken in world space first; so do the round shapes of [`super::body`] and the
-//! pieces of surfaces of revolution, each a solid of its own to the hierarchy. Patches become parallelograms in the world.
+//! pieces of surfaces of revolution. Patches become parallelograms in the world, Bezier patches pieces of [`super::bezier`];
+//! a piece is a solid of its own to the hierarchy.
 //! A shape that its transform flattens (singular matrix) encloses nothing and is no hit; a patch without area likewise.
 
+use std::sync::Arc;
+
+use super::bezier::{MAX_CROSSINGS, Sheet};
 use super::body::Body;
 use super::build::Bounds;
 use super::cuboid::{face_normal, slabs};
@@ -67,6 +71,8 @@ enum Form {
         size_world: f64,
         bounds: Bounds,
     },
+    /// One piece of a set of patches.
+    Piece { sheet: Arc<Sheet>, piece: u32 },
 }
 
 /// Crossings of one piece of a surface of revolution that a hit's feature can tell apart.
@@ -75,9 +81,12 @@ const PER_PIECE: u32 = 8;
 const LEAVES: u32 = 1 << 31;
 
 impl Solid {
-    /// Places a shape: one solid, for a surface of revolution one a piece; none where it encloses nothing.
+    /// Places a shape: one solid, for surfaces of revolution and Bezier patches one a piece; none where it encloses nothing.
     pub(super) fn all(shape: &Shape, place: &DAffine3, primitive: u32, object: u32) -> Vec<Self> {
         let forms = match shape {
+            Shape::Bezier { points, patches } => {
+                return pieces(points, patches, place, primitive, object);
+            }
             Shape::Revolution {
                 base,
                 axis,
@@ -132,6 +141,7 @@ impl Solid {
                 Bounds::of(corners_world.iter().map(|p| DVec3::from_array(*p)))
             }
             Form::Round { bounds, .. } | Form::Turned { bounds, .. } => *bounds,
+            Form::Piece { sheet, piece } => sheet.bounds(*piece),
         }
     }
 
@@ -148,7 +158,7 @@ impl Solid {
     pub(super) fn is_convex(&self) -> bool {
         match &self.form {
             Form::Round { body, .. } => body.is_convex(),
-            Form::Turned { .. } => false,
+            Form::Turned { .. } | Form::Piece { .. } => false,
             _ => true,
         }
     }
@@ -203,6 +213,21 @@ impl Solid {
                         back,
                     );
                 }
+            }
+            Form::Piece { sheet, piece } => {
+                let (primitive, mut feature) = (self.primitive, piece * MAX_CROSSINGS);
+                sheet.crossings(*piece, shear, |c| {
+                    let (t, uv, back) = (c.t, c.uv, c.back);
+                    visit(Hit {
+                        t,
+                        primitive,
+                        item,
+                        uv,
+                        feature,
+                        back,
+                    });
+                    feature += 1;
+                });
             }
             Form::Patch {
                 corners_world,
@@ -263,6 +288,7 @@ impl Solid {
                 };
                 (foot, tile(u, tiles[0]) + tile(v, tiles[1]))
             }
+            Form::Piece { sheet, piece } => (sheet.foot(*piece, ray, hit.uv), 0),
             Form::Round {
                 anchor_world,
                 body,
@@ -402,6 +428,31 @@ fn turned(base: DVec3, axis: DVec3, profile: &Profile, place: &DAffine3) -> Vec<
         }
     };
     bands.zip(profile.pieces()).enumerate().map(form).collect()
+}
+
+/// The pieces of a set of patches, in world space.
+fn pieces(
+    points: &[DVec3],
+    patches: &[[u32; 16]],
+    place: &DAffine3,
+    primitive: u32,
+    object: u32,
+) -> Vec<Solid> {
+    let Some(sheet) = Sheet::new(points, patches, place).map(Arc::new) else {
+        return Vec::new();
+    };
+    let solid = |piece: u32| Solid {
+        primitive,
+        object,
+        form: Form::Piece {
+            sheet: Arc::clone(&sheet),
+            piece,
+        },
+        linear: None,
+        normal_world: DMat3::IDENTITY,
+        place: DAffine3::IDENTITY,
+    };
+    (0..sheet.len() as u32).map(solid).collect()
 }
 
 fn patch(place: &DAffine3, corner: DVec3, u: DVec3, v: DVec3, tiles: [u32; 2]) -> Option<Form> {

@@ -433,12 +433,12 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"sphare\"\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found \"sphare\"",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution`, `bezier`, `teapot` and `checkered floor`, found \"sphare\"",
         "did you mean `sphere`?",
     ),
     (
         "[object.a]\nshape = 3\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found 3",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution`, `bezier`, `teapot` and `checkered floor`, found 3",
         "",
     ),
     (
@@ -473,7 +473,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ),
     (
         "[object.a]\nshape = \"cilinder\"\n",
-        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution` and `checkered floor`, found \"cilinder\"",
+        "2:9 shape: expected one of `sphere`, `plane`, `quad`, `disk`, `box`, `cylinder`, `cone`, `torus`, `revolution`, `bezier`, `teapot` and `checkered floor`, found \"cilinder\"",
         "did you mean `cylinder`?",
     ),
     (
@@ -550,6 +550,76 @@ const FILES: &[(&str, &str, &str)] = &[
         "[object.a]\nshape = \"revolution\"\nprofil = [[1, 0], [1, 1]]\n",
         "3:1 object.a has no key `profil`",
         "did you mean `profile`?",
+    ),
+    (
+        "[object.a]\nshape = \"teapot\"\nradius = 1\nheight = 1\n",
+        "4:10 height: a teapot has `radius` or `height`, not both",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"teapot\"\nheight = 0\n",
+        "3:10 height: expected a number above 0, found 0",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"teapot\"\ncenter = [0, 0, 0]\n",
+        "3:1 object.a has no key `center`",
+        "there are `shape`, `mesh`, `instance`, `material`, `materials`, `transform`, `base`, `radius`, `height` and `tessellation`",
+    ),
+    (
+        "[object.a]\nshape = \"teapot\"\ntessellation = 2\n",
+        "3:16 tessellation: expected a whole number from 3 to 4096, found 2",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\n",
+        "1:9 object.a: expected `patches`, with `points` or as the name of a file",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npatches = [[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]]\n",
+        "3:11 patches: expected `points` for its numbers",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = []\npatches = [[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]]\n",
+        "3:10 points: expected from 1 to 1048576 points, found 0",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = [[0, 0, 0]]\npatches = []\n",
+        "4:11 patches: expected from 1 to 65536 patches, found 0",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = [[0, 0, 0]]\npatches = [[0, 0, 0]]\n",
+        "4:12 patches: expected 16 point numbers, found 3",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = [[0, 0, 0], [1, 0, 0]]\npatches = [[0, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]]\n",
+        "4:19 patches: expected a whole number from 0 to 1, found 2",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = [[0, 0, nan]]\npatches = [[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]]\n",
+        "3:18 points: expected a finite number, found NaN",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npatches = 3\n",
+        "3:11 patches: expected a list of patches of 16 point numbers each, or the name of a file, found 3",
+        "",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npatches = \"pot.bpt\"\n",
+        "3:11 patches: there is no file pot.bpt",
+        "a file of patches is looked for beside the scene file",
+    ),
+    (
+        "[object.a]\nshape = \"bezier\"\npoints = []\npatches = \"pot.bpt\"\n",
+        "3:10 points: does not go with a file of patches, which has its own",
+        "",
     ),
     (
         "[object.a]\nshape = \"disk\"\nradius = -1\n",

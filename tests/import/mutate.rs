@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use rastray::import::shipped;
+use rastray::scene::Shape;
 
 use super::{failure, load_files};
 
@@ -48,6 +49,11 @@ const OFF: &str = "STCNOFF\n# five\n5 3 0\n0 0 0 0 0 1 1 1 1 0 0\n1 0 0 0 0 1 1 
     0 1 0 0 0 1 1 1 1 0 0\n0 0 1 0 0 0 1 1 1 0 0\n4 0 1 2 3  1 0 0\n3 0 1 4\n5 0 1 2 3 4\n";
 const RAY: &str = "#vertex 0 0 0  0 0 1  0 0\n#vertex 1 0 0  0 0 0  1 0\n#vertex 0 1 0  0 0 1  0 1\n#material 1\n\
     #shape_triangle 5  0 1 2\n#shape_triangle 0 2 1\n";
+
+const BPT: [&str; 2] = [
+    "1\n3 3\n0.0 0 0\n1 0 0\n2 0 0\n3 0 0\n0 1 0\n1 1 1\n2 1 0\n3 1 0\n0 2 0\n1 2 0\n2 2 1\n3 2 0\n0 3 0\n1 3 0\n2 3 0\n3 3 0\n",
+    "1\n1,2,3,4,1,2,3,4,4,3,2,1,1,1,1,1\n4\n0,0,0\n1,0,0\n2,1,0\n3,0,1\n",
+];
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
@@ -110,6 +116,26 @@ proptest! {
                 let camera = &scene.camera;
                 prop_assert!(camera.eye.is_finite() && camera.near > 0.0 && camera.near.is_finite());
                 prop_assert!(camera.eye_from_world_rotation().is_finite());
+            }
+            result => {
+                failure(result);
+            }
+        }
+    }
+
+    #[test]
+    fn damaged_patches_never_panic(main in edits(), patches in edits(), form in 0..2usize) {
+        let text = b"[object.a]\nshape = \"bezier\"\npatches = \"a.bpt\"\n[object.b]\nshape = \"bezier\"\n\
+            points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\npatches = [[0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]]\n";
+        let (main, patches) = (damage(text, &main), damage(BPT[form].as_bytes(), &patches));
+        match load_files(&[("a.toml", &main), ("a.bpt", &patches)], &[]) {
+            Ok(imported) => {
+                for object in &imported.scene.objects {
+                    if let rastray::scene::Geometry::Shape(Shape::Bezier { points, patches }) = &object.geometry {
+                        prop_assert!(points.iter().all(|p| p.is_finite()));
+                        prop_assert!(patches.iter().flatten().all(|i| (*i as usize) < points.len()));
+                    }
+                }
             }
             result => {
                 failure(result);

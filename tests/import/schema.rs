@@ -112,7 +112,9 @@ fn the_schema_refuses_what_the_reader_refuses() {
         "[light.a]\ndiffuse = 1\n",
         "[light.a]\nposition = [0, 0, 1]\ndirection = [0, 0, 1]\n",
         "[object.b]\nshape = \"sphere\"\nsize = 3\n",
-        "[object.b]\nshape = \"teapot\"\n",
+        "[object.b]\nshape = \"kettle\"\n",
+        "[object.b]\nshape = \"teapot\"\ncenter = [0, 0, 0]\n",
+        "[object.b]\nshape = \"bezier\"\npoints = [[0, 0, 0]]\npatches = [[0, 0]]\n",
         "[object.b]\nshape = \"torus\"\nradius = 1\n",
         "[object.b]\nshape = \"cylinder\"\ncaps = 1\n",
         "[object.b]\nshape = \"revolution\"\nprofile = [[1, 0, 2], [1, 1, 2]]\n",
@@ -137,6 +139,8 @@ fn the_schema_refuses_what_the_reader_refuses() {
         "[object.b]\nshape = \"cone\"\nbase = [0, 1, 0]\napex = [0, 2, 1]\nradius = 2\ncap = false\n",
         "[object.b]\nshape = \"torus\"\ncenter = [0, 1, 0]\naxis = [0, 0, 1]\nmajor_radius = 2\nminor_radius = 0.5\n",
         "[object.b]\nshape = \"revolution\"\nbase = [0, 1, 0]\naxis = [0, 0, 2]\nprofile = [[0, 0], [1, 0.5], [1, 1]]\ncurve = \"smooth\"\ntessellation = 9\n",
+        "[object.b]\nshape = \"teapot\"\nbase = [0, 1, 0]\nheight = 2\ntessellation = 12\n",
+        "[object.b]\nshape = \"bezier\"\npoints = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]\npatches = [[0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3]]\n",
         "[object.b]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [1, 1, 1]\ntransform = [{ rotate = { axis = [0, 1, 0], degrees = 3 } }, { scale = -1 }]\n",
     ] {
         assert_eq!(

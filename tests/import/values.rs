@@ -8,7 +8,7 @@ use rastray::math::{DAffine3, DVec3};
 use rastray::sampling::Pattern;
 use rastray::scene::{
     Cull, Curve, Fresnel, FrontFace, Geometry, LightSpace, Profile, Projection, Shadow, Shape,
-    Snap, Tir,
+    Snap, Tir, teapot,
 };
 
 use super::{failure, load_text, mesh_of, notes, scene};
@@ -304,6 +304,60 @@ fn round_shapes_have_their_defaults_and_their_keys() {
         let text = format!("{text}curve = \"{name}\"\n");
         assert_eq!(shape(&text), turned(point, y * 2.0, *curve, &points));
     }
+}
+
+#[test]
+fn patches_come_from_the_scene_a_file_or_newell() {
+    let pot = shape("shape = \"teapot\"\n");
+    assert_eq!(pot, teapot::teapot(DVec3::ZERO, 0.5));
+    let text = "shape = \"teapot\"\nbase = [1, -2, 3]\nheight = 6.3\n";
+    assert_eq!(
+        shape(text),
+        teapot::teapot(DVec3::new(1.0, -2.0, 3.0), 6.3 / 3.15)
+    );
+    // One patch from the scene, from points in place, and from numbered points.
+    let point = |i: u32| [i % 4, i / 4, i % 3].map(f64::from);
+    let points: Vec<[f64; 3]> = (0..16).map(point).collect();
+    let numbers: Vec<u32> = (0..16).rev().collect();
+    let text = format!("shape = \"bezier\"\npoints = {points:?}\npatches = [{numbers:?}]\n");
+    let Shape::Bezier {
+        points: found,
+        patches,
+    } = shape(&text)
+    else {
+        panic!("no patches")
+    };
+    assert_eq!(found[5].to_array(), points[5]);
+    assert_eq!(patches[0].to_vec(), numbers);
+    let words = |p: &[f64; 3]| format!("{} {} {}\n", p[0], p[1], p[2]);
+    let in_place: String = numbers
+        .iter()
+        .map(|i| words(&points[*i as usize]))
+        .collect();
+    let listed: String = points.iter().map(words).collect();
+    let from_one: Vec<String> = numbers.iter().map(|i| (i + 1).to_string()).collect();
+    let files = [
+        format!("1\n3 3\n{in_place}"),
+        format!("1\n{}\n16\n{listed}", from_one.join(",")),
+    ];
+    let main = b"[object.a]\nshape = \"bezier\"\npatches = \"a.bpt\"\n";
+    for file in files {
+        let files: [(&str, &[u8]); 2] = [("a.toml", main), ("a.bpt", file.as_bytes())];
+        let scene = super::load_files(&files, &[]).unwrap().scene;
+        let Geometry::Shape(Shape::Bezier {
+            points: p,
+            patches: q,
+        }) = &scene.objects[0].geometry
+        else {
+            panic!("no patches")
+        };
+        for (i, number) in numbers.iter().enumerate() {
+            assert_eq!(p[q[0][i] as usize].to_array(), points[*number as usize]);
+        }
+    }
+    let bad: [(&str, &[u8]); 2] = [("a.toml", main), ("a.bpt", b"1\n3 3\n0.5 0 x")];
+    let error = failure(super::load_files(&bad, &[]));
+    assert_eq!(error.0, "3:7 expected a coordinate, found `x`");
 }
 
 #[test]

@@ -77,7 +77,7 @@ fn one_each(section: &Section<'_>, key: &str, found: usize, count: usize) -> Res
 }
 
 /// N-tuples of finite numbers, written flat or nested.
-fn tuples<const N: usize>(
+pub(super) fn tuples<const N: usize>(
     section: &Section<'_>,
     key: &str,
 ) -> Result<Option<Vec<[f64; N]>>, Error> {

@@ -13,7 +13,16 @@ use crate::scene::tessellate::{DEFAULT_LEVEL, triangle_count};
 use crate::scene::{Curve, Geometry, Shape};
 
 /// Shapes whose level counts slices of a full turn.
-const ROUND: &[&str] = &["sphere", "disk", "cylinder", "cone", "torus", "revolution"];
+const ROUND: &[&str] = &[
+    "sphere",
+    "disk",
+    "cylinder",
+    "cone",
+    "torus",
+    "revolution",
+    "bezier",
+    "teapot",
+];
 
 impl<'a> Reader<'a> {
     pub(super) fn shape(
@@ -50,6 +59,8 @@ impl<'a> Reader<'a> {
             "cone" => cone(section)?,
             "torus" => torus(section)?,
             "revolution" => revolution(section)?,
+            "bezier" => self.bezier(section)?,
+            "teapot" => super::bezier::teapot(section)?,
             _ => floor(section)?,
         };
         self.count_triangles(section, &shape, tessellation)?;
