@@ -7,6 +7,11 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+#[cfg(feature = "opengl")]
+mod opengl;
+#[cfg(not(feature = "opengl"))]
+#[path = "opengl_absent.rs"]
+mod opengl;
 mod options;
 mod progress;
 mod render;
@@ -84,7 +89,8 @@ const COMPARE_EXAMPLES: &str = "Examples:
   rastray compare whitted --size 320x240
   rastray compare highlight --tessellation 16 -o coarse
   rastray compare whitted --set trace.depth=1 --json --size 160x120 -o shallow
-  rastray compare mine.toml --open --watch    the page in the browser, made again whenever the file is saved";
+  rastray compare mine.toml --open --watch    the page in the browser, made again whenever the file is saved
+  rastray compare lights --against opengl     the rasterizer against the OpenGL of this machine (feature opengl)";
 
 const INSPECT_EXAMPLES: &str = "Examples:
   rastray inspect whitted
@@ -111,16 +117,17 @@ pub(crate) fn run() -> ExitCode {
         ColorChoice::Auto => {}
     }
     let verbosity = options::Verbosity::new(cli.global.quiet, cli.global.verbose);
+    let done = |()| ExitCode::SUCCESS;
     let result = options::in_pool(cli.global.threads, || match &cli.command {
-        Command::Render(args) => render::render(args, verbosity),
+        Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
-        Command::Inspect(args) => commands::inspect(args),
-        Command::Scenes(args) => commands::scenes(args),
-        Command::Schema => commands::schema(),
-        Command::Completions(args) => commands::completions(args, Cli::command()),
+        Command::Inspect(args) => commands::inspect(args).map(done),
+        Command::Scenes(args) => commands::scenes(args).map(done),
+        Command::Schema => commands::schema().map(done),
+        Command::Completions(args) => commands::completions(args, Cli::command()).map(done),
     });
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             diagnostic::print(&error);
             ExitCode::from(2)

@@ -8,6 +8,7 @@
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
 //! - [`folder`]: the files of a comparison, by name.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
+//! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
@@ -22,6 +23,8 @@ mod layout;
 pub mod numbers;
 pub mod page;
 pub mod palette;
+#[cfg(feature = "opengl")]
+pub mod peer;
 pub mod picture;
 mod sections;
 pub mod summary;

@@ -233,7 +233,7 @@ impl Report {
 }
 
 /// The style sheet with the type in it.
-fn style() -> String {
+pub(super) fn style() -> String {
     include_str!("page.css")
         .replace("@REGULAR@", &BASE64.encode(text::REGULAR))
         .replace("@SEMIBOLD@", &BASE64.encode(text::SEMIBOLD))
@@ -306,7 +306,11 @@ fn image(bytes: &[u8], width: usize, height: usize, alt: &str) -> Markup {
 }
 
 /// A linear picture, all its pixels.
-fn linear_image(plane: &Plane<[f32; 3]>, view: View, alt: &str) -> Result<Markup, Error> {
+pub(super) fn linear_image(
+    plane: &Plane<[f32; 3]>,
+    view: View,
+    alt: &str,
+) -> Result<Markup, Error> {
     Ok(image(&png(plane, view)?, plane.width, plane.height, alt))
 }
 
