@@ -5,11 +5,10 @@ use std::time::Instant;
 
 use rastray::error::Error;
 use rastray::frame::{Frame, Plane};
-use rastray::gl::ShadeModel;
 use rastray::lanes::Real;
 use rastray::math::color::{clamp_rgb, quantize8};
 use rastray::peers::agreement::{Agreement, Pair};
-use rastray::peers::opengl::{Driver, Options, Picture};
+use rastray::peers::opengl::{Info, Options, Picture, with_driver};
 use rastray::raster;
 use rastray::report::files;
 use rastray::report::peer::{Both, PeerReport, PeerSummary, Seconds};
@@ -51,13 +50,15 @@ pub(super) fn draw<R: Real>(
     assembly: &Assembly<R>,
     clamp: bool,
 ) -> Result<Drawn, Error> {
-    let driver = Driver::open()?;
     let options = Options {
         shading: scene.raster.shading,
         clamp,
     };
-    let picture = driver.draw(scene, assembly, &options)?;
-    let (info, method) = (driver.info(), picture.method.to_string());
+    let (info, picture) = with_driver(|driver| {
+        let picture = driver.draw(scene, assembly, &options)?;
+        Ok((driver.info().clone(), picture))
+    })?;
+    let method = picture.method.to_string();
     Ok(Drawn {
         remark: format!("{} · OpenGL {}: {method}", info.renderer, info.version),
         driver: json!({"driver": info, "method": method}),
@@ -73,12 +74,11 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made,
     let name = || PathBuf::from(format!("{}-opengl", scene.name));
     let path = args.output.clone().unwrap_or_else(name);
     files::check_folder(&path, "--output")?;
-    let driver = Driver::open()?;
     let progress = Progress::new(verbosity, 1);
     progress.step(0, "rendering");
     let measured = match args.quality.precision {
-        PrecisionArg::F32 => measure::<f32>(scene, &quality, &driver)?,
-        PrecisionArg::F64 => measure::<f64>(scene, &quality, &driver)?,
+        PrecisionArg::F32 => measure::<f32>(scene, &quality)?,
+        PrecisionArg::F64 => measure::<f64>(scene, &quality)?,
     };
     let report = PeerReport {
         title: scene.name.clone(),
@@ -147,104 +147,121 @@ struct Measured {
     summary: PeerSummary,
 }
 
-/// What both renderers draw for one setting of the clamps.
-struct Drawings<R> {
-    ours: Frame<R>,
-    theirs: Picture,
+/// What the driver draws of a scene.
+struct Theirs {
+    info: Info,
+    /// At pixel centres.
+    unclamped: Picture,
+    /// At pixel centres.
+    clamped: Picture,
+    /// Clamped, with the scene's own samples where those are not the centres.
+    shown: Option<Picture>,
+    seconds: f64,
 }
 
-/// The scene with both renderers.
-struct Duel<'a, R> {
+/// All of the driver's pictures.
+fn theirs<R: Real>(
+    scene: &Scene,
+    centers: &Scene,
+    assembly: &Assembly<R>,
+) -> Result<Theirs, Error> {
+    let start = Instant::now();
+    let options = |clamp| Options {
+        shading: scene.raster.shading,
+        clamp,
+    };
+    with_driver(|driver| {
+        let sampled = centers.image != scene.image;
+        let shown = sampled.then(|| driver.draw(scene, assembly, &options(true)));
+        Ok(Theirs {
+            info: driver.info().clone(),
+            unclamped: driver.draw(centers, assembly, &options(false))?,
+            clamped: driver.draw(centers, assembly, &options(true))?,
+            shown: shown.transpose()?,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    })
+}
+
+/// The rasterizer, and the time that it takes.
+struct Ours<'a, R> {
     assembly: &'a Assembly<R>,
     quality: &'a Quality,
-    driver: &'a Driver,
-    shading: ShadeModel,
-    seconds: Seconds,
+    seconds: f64,
 }
 
-impl<R: Real> Duel<'_, R> {
-    fn draw(&mut self, scene: &Scene, clamp: bool) -> Result<Drawings<R>, Error> {
+impl<R: Real> Ours<'_, R> {
+    fn draw(&mut self, scene: &Scene, clamp: bool) -> Result<Frame<R>, Error> {
         let start = Instant::now();
         let options = raster::Options {
-            shading: self.shading,
+            shading: scene.raster.shading,
             clamp,
             layers: false,
             isa: self.quality.isa,
         };
         let plan = raster::Plan::new(scene, self.assembly, self.quality.model);
-        let (mut ours, _) = plan.draw(&options)?;
+        let (mut frame, _) = plan.draw(&options)?;
         if clamp {
-            ours.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
+            frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
         }
-        self.seconds.raster += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let options = Options {
-            shading: self.shading,
-            clamp,
-        };
-        let theirs = self.driver.draw(scene, self.assembly, &options)?;
-        self.seconds.opengl += start.elapsed().as_secs_f64();
-        Ok(Drawings { ours, theirs })
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(frame)
     }
 
-    fn agreement(&self, scene: &Scene, drawn: &Drawings<R>) -> Agreement {
+    /// Our picture against theirs, at pixel centres.
+    fn agreement(&self, scene: &Scene, ours: &Frame<R>, peer: &Picture, info: &Info) -> Agreement {
         let plan = raster::Plan::new(scene, self.assembly, self.quality.model);
-        let bits = self
-            .driver
-            .info()
-            .subpixel_bits
-            .min(scene.raster.snap.bits());
+        let bits = info.subpixel_bits.min(scene.raster.snap.bits());
         Agreement::of(&Pair {
             scene,
             plan: &plan,
-            ours: &drawn.ours,
-            peer: &drawn.theirs,
-            shading: self.shading,
+            ours,
+            peer,
+            shading: scene.raster.shading,
             edge_px: 0.5f64.powi(bits as i32),
         })
     }
 }
 
-fn measure<R: Real>(scene: &Scene, quality: &Quality, driver: &Driver) -> Result<Measured, Error> {
+fn measure<R: Real>(scene: &Scene, quality: &Quality) -> Result<Measured, Error> {
     let assembly = Assembly::<R>::new(scene, quality.level)?;
     assembly.check_range(scene)?;
-    let mut duel = Duel {
-        assembly: &assembly,
-        quality,
-        driver,
-        shading: scene.raster.shading,
-        seconds: Seconds::default(),
-    };
     // Agreement is judged at pixel centres, whatever the samples of the picture.
     let mut centers = scene.clone();
     (centers.image.samples, centers.image.pattern) = (1, Pattern::Grid);
-    let unclamped = duel.draw(&centers, false)?;
-    let clamped = duel.draw(&centers, true)?;
+    let theirs = theirs(scene, &centers, &assembly)?;
+    let mut ours = Ours {
+        assembly: &assembly,
+        quality,
+        seconds: 0.0,
+    };
+    let (unclamped, clamped) = (ours.draw(&centers, false)?, ours.draw(&centers, true)?);
     let agreement = Both {
-        unclamped: duel.agreement(&centers, &unclamped),
-        clamped: duel.agreement(&centers, &clamped),
+        unclamped: ours.agreement(&centers, &unclamped, &theirs.unclamped, &theirs.info),
+        clamped: ours.agreement(&centers, &clamped, &theirs.clamped, &theirs.info),
     };
     let method = Both {
-        unclamped: unclamped.theirs.method.to_string(),
-        clamped: clamped.theirs.method.to_string(),
+        unclamped: theirs.unclamped.method.to_string(),
+        clamped: theirs.clamped.method.to_string(),
     };
-    let seen = clamped.ours.primitive.data.iter();
-    let seen = seen.zip(&clamped.theirs.primitive.data);
-    let same = seen.map(|(a, b)| a == b).collect();
-    let shown = if centers.image == scene.image {
-        clamped
-    } else {
-        duel.draw(scene, true)?
+    let numbers = [&clamped.primitive.data, &theirs.clamped.primitive.data];
+    let same = numbers[0].iter().zip(numbers[1]).map(|(a, b)| a == b);
+    let same = same.collect();
+    let (raster, opengl) = match theirs.shown {
+        Some(shown) => (ours.draw(scene, true)?.color_f32(), shown.color),
+        None => (clamped.color_f32(), theirs.clamped.color),
     };
-    let (raster, opengl) = (shown.ours.color_f32(), shown.theirs.color);
     let summary = PeerSummary {
         size: [raster.width, raster.height],
-        driver: driver.info().clone(),
+        driver: theirs.info,
         method,
         metrics: stored_metrics(&raster, &opengl)?,
         agreement,
         triangles: assembly.triangles.len(),
-        seconds: duel.seconds,
+        seconds: Seconds {
+            raster: ours.seconds,
+            opengl: theirs.seconds,
+        },
     };
     Ok(Measured {
         raster,

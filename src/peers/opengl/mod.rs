@@ -116,7 +116,29 @@ pub struct Picture {
     pub camera: Camera,
 }
 
-/// The system's OpenGL, on the thread that opened it.
+/// Finds and opens the system's OpenGL on a thread of its own, and works with it there until the work is done.
+///
+/// The thread has ended when this returns: with Mesa 22.3 a process may crash that exits while a thread which used GL is still
+/// being taken down (seen in 1 of 100 runs from a thread pool, which does not wait for its threads). Work that is not
+/// GL's own belongs outside, where the caller's thread pool is.
+///
+/// # Errors
+/// [`Error::Unsupported`] where there is no EGL, no OpenGL, no fixed function, or no float framebuffer; and those of `work`.
+pub fn with_driver<T: Send>(
+    work: impl FnOnce(&Driver) -> Result<T, Error> + Send,
+) -> Result<T, Error> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("opengl".to_owned());
+        let thread = thread
+            .spawn_scoped(scope, || work(&Driver::open()?))
+            .map_err(|e| Error::limit(format!("cannot start a thread for OpenGL: {e}")))?;
+        thread
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// The system's OpenGL, on the thread that opened it: see [`with_driver`].
 pub struct Driver {
     gl: Gl,
     info: Info,
@@ -136,11 +158,7 @@ fn failed(reason: impl std::fmt::Display) -> Error {
 }
 
 impl Driver {
-    /// Finds and opens the system's OpenGL.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] where there is no EGL, no OpenGL, no fixed function, or no float framebuffer.
-    pub fn open() -> Result<Self, Error> {
+    fn open() -> Result<Self, Error> {
         let gl = Gl::open().map_err(failed)?;
         let info = Info {
             renderer: gl.string(api::RENDERER),
@@ -383,8 +401,7 @@ impl<R: Real> Scenery<'_, R> {
         };
         let model = &self.scene.light_model;
         state::switch(gl, api::COLOR_SUM, stage == Stage::Vertex);
-        let two_sided = stage == Stage::Vertex && model.two_sided;
-        state::switch(gl, api::VERTEX_PROGRAM_TWO_SIDE, two_sided);
+        state::switch(gl, api::VERTEX_PROGRAM_TWO_SIDE, model.two_sided);
         let program = Program::new(gl, stage, model, &self.lights, clamp).map_err(failed)?;
         self.each_run(|material, arrays| {
             let back = material.back.as_ref().unwrap_or(&material.front);

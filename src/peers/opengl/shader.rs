@@ -230,13 +230,16 @@ void main() {
 }
 ";
 
-/// Position and normal for the fragments.
+/// Position and normal for the fragments, and as colour whether GL takes the triangle for front or back: `gl_FrontFacing`
+/// is always false in softpipe (Mesa 22.3.6), while fixed function's choice between the two colours is right.
 const PASS_ON: &str = r"
 varying vec3 eye_position;
 varying vec3 eye_normal;
 void main() {
     eye_position = gl_Vertex.xyz / gl_Vertex.w;
     eye_normal = gl_Normal;
+    gl_FrontColor = vec4(1.0);
+    gl_BackColor = vec4(0.0);
     gl_Position = ftransform();
 }
 ";
@@ -250,7 +253,7 @@ void main() {
     vec4 primary;
     vec3 secondary;
 #if TWO_SIDED
-    if (!gl_FrontFacing) {
+    if (gl_Color.a < 0.5) {
         equation(eye_position, -normal, -normal, 1, primary, secondary);
     } else {
         equation(eye_position, normal, normal, 0, primary, secondary);
