@@ -207,7 +207,7 @@ pub(super) struct RenderArgs {
     /// Output: .png, .exr, .pfm, .hdr, .gif (several frames), - = PNG on stdout (default: SCENE.png)
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Renderer: raster, cast (primary rays only), trace, opengl (the system's own)
+    /// Renderer: raster, cast (primary rays only), trace, opengl (this machine's, where built with it)
     #[arg(
         long,
         value_enum,
@@ -276,7 +276,7 @@ pub(super) struct CompareArgs {
     /// Output folder (default: SCENE-compare, or SCENE-opengl)
     #[arg(short, long, value_name = "FOLDER")]
     pub(super) output: Option<PathBuf>,
-    /// What the rasterizer is held against: trace (the tracer), opengl (the system's own)
+    /// What the rasterizer is held against: trace (the tracer), or opengl (this machine's, where built with it)
     #[arg(
         long,
         value_enum,

@@ -89,8 +89,7 @@ const COMPARE_EXAMPLES: &str = "Examples:
   rastray compare whitted --size 320x240
   rastray compare highlight --tessellation 16 -o coarse
   rastray compare whitted --set trace.depth=1 --json --size 160x120 -o shallow
-  rastray compare mine.toml --open --watch    the page in the browser, made again whenever the file is saved
-  rastray compare lights --against opengl     the rasterizer against the OpenGL of this machine (feature opengl)";
+  rastray compare mine.toml --open --watch    the page in the browser, made again whenever the file is saved";
 
 const INSPECT_EXAMPLES: &str = "Examples:
   rastray inspect whitted

@@ -374,7 +374,6 @@ names! {
     ONE = 1;
     FRONT = 0x0404;
     BACK = 0x0405;
-    FRONT_AND_BACK = 0x0408;
     CW = 0x0900;
     CCW = 0x0901;
     CULL_FACE = 0x0B44;

@@ -23,8 +23,10 @@ pub struct LightPoint {
     pub normal: [f32; 3],
     /// The lights, in the space of `light_modelview`.
     pub lights: Vec<LightSource>,
-    /// The material.
+    /// The material of front faces, which points show.
     pub material: Material,
+    /// The material of back faces; `None` = the same. Drivers may choose their program by it.
+    pub back: Option<Material>,
     /// The light model.
     pub model: LightModel,
     /// GL_COLOR_MATERIAL's tracked parameter of front faces, as glColorMaterial names it.
@@ -77,7 +79,9 @@ impl Driver {
             state::set_light(gl, i as u32, light);
         }
         gl.load_matrix(&point.modelview);
-        state::set_material(gl, api::FRONT_AND_BACK, &point.material, true);
+        let back = point.back.as_ref().unwrap_or(&point.material);
+        state::set_material(gl, api::FRONT, &point.material, true);
+        state::set_material(gl, api::BACK, back, true);
         gl.enable(api::LIGHTING);
         if let Some(tracked) = point.color_material {
             gl.color_material(api::FRONT, name(tracked));
