@@ -123,8 +123,9 @@ fn assert_agrees(scene: &Scene, what: &str) -> Option<Method> {
         let c = &a.same_triangle;
         println!("{what}, clamp {clamp}, {}: {a:?}", picture.method);
         assert!(c.pixels > 500, "{what}: only {} pixels", c.pixels);
-        // 5e-5, but for pixels of triangles seen nearly edge-on: there drivers interpolate worse (see `shipped_scenes`).
-        assert!(c.over <= 2 && c.max <= 1e-3, "{what}: {c:?}");
+        // 5e-5, but for at most two pixels of triangles seen nearly edge-on, where llvmpipe interpolates worse: up to 4e-3
+        // in `shipped_scenes`, while ours stays within 2e-5 of f64.
+        assert!(c.over <= 2 && c.max <= 5e-3, "{what}: {c:?}");
         assert!(c.mean <= 2e-6, "{what}: {c:?}");
         assert_eq!(a.other_triangle.unexplained, 0, "{what}: {a:?}");
         assert_eq!(a.one_only.unexplained, 0, "{what}: {a:?}");
