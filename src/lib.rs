@@ -12,6 +12,8 @@ pub mod import;
 pub mod lanes;
 pub mod lighting;
 pub mod math;
+#[cfg(feature = "opengl")]
+pub mod peers;
 pub mod raster;
 pub mod report;
 pub mod sampling;

@@ -227,6 +227,11 @@ fn bad_flags_are_named() {
         (&["render", "whitted", "--set", "trace.dpeth=1"], "depth"),
         (&["render", "whitted", "--set", "nonsense"], "KEY=VALUE"),
         (&["scenes", "wihtted"], "whitted"),
+        (
+            &["compare", "whitted", "--max-error", "1e-4"],
+            "--against opengl",
+        ),
+        (&["compare", "whitted", "--driver-info"], "--against opengl"),
         (&["render", "whitted", "-o", "a.gif"], "--turntable"),
         (&["render", "whitted", "--turntable", "0"], "1 to 10000"),
         (&["render", "whitted", "--turntable", "10001"], "1 to 10000"),
@@ -529,6 +534,20 @@ fn a_gif_shows_the_frames_and_repeats() {
     // Same bytes for any thread count.
     ok(folder.path(), &[&args[..], &["-j", "1"]].concat());
     assert!(first == std::fs::read(&output).expect("written"));
+}
+
+/// Built without it, the program still knows the option, and says how to get it.
+#[cfg(not(feature = "opengl"))]
+#[test]
+fn opengl_says_how_to_get_it() {
+    let folder = folder();
+    for args in [
+        &["render", "whitted", "--mode", "opengl"][..],
+        &["compare", "whitted", "--against", "opengl"],
+    ] {
+        let message = error(folder.path(), args);
+        assert!(message.contains("--features opengl"), "{message}");
+    }
 }
 
 #[test]

@@ -62,6 +62,17 @@ pub(super) enum ModeArg {
     Cast,
     /// Whitted's picture: shadows, reflection, refraction
     Trace,
+    /// The rasterizer's scene, drawn by the system's real OpenGL (feature opengl)
+    Opengl,
+}
+
+/// What `compare` holds the rasterizer against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum AgainstArg {
+    /// The ray tracer: every difference split by cause
+    Trace,
+    /// The system's real OpenGL (feature opengl)
+    Opengl,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -201,7 +212,7 @@ pub(super) struct RenderArgs {
     /// Output: .png, .exr, .pfm, .hdr, .gif (several frames), - = PNG on stdout (default: SCENE.png)
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Renderer: raster, cast (primary rays only), trace
+    /// Renderer: raster, cast (primary rays only), trace, opengl (this machine's, where built with it)
     #[arg(
         long,
         value_enum,
@@ -267,9 +278,29 @@ pub(super) struct RenderArgs {
 pub(super) struct CompareArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// Output folder (default: SCENE-compare)
+    /// Output folder (default: SCENE-compare, or SCENE-opengl)
     #[arg(short, long, value_name = "FOLDER")]
     pub(super) output: Option<PathBuf>,
+    /// What the rasterizer is held against: trace (the tracer), or opengl (this machine's, where built with it)
+    #[arg(
+        long,
+        value_enum,
+        default_value = "trace",
+        value_name = "RENDERER",
+        hide_possible_values = true
+    )]
+    pub(super) against: AgainstArg,
+    /// With --against opengl: also print what the driver says of itself
+    #[arg(long, hide_short_help = true, help_heading = "Expert")]
+    pub(super) driver_info: bool,
+    /// With --against opengl: exit 1 where a colour on the same triangle differs by more
+    #[arg(
+        long,
+        value_name = "ERROR",
+        hide_short_help = true,
+        help_heading = "Expert"
+    )]
+    pub(super) max_error: Option<f64>,
     #[command(flatten)]
     pub(super) quality: QualityArgs,
     #[command(flatten)]

@@ -1,6 +1,8 @@
 //! `rastray compare`: both pictures and every difference, into a folder.
 
+use std::cell::Cell;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -22,19 +24,39 @@ use rastray_compare::{
 };
 use serde_json::{Value, json};
 
-use super::args::{CompareArgs, PrecisionArg};
-use super::commands;
+use super::args::{AgainstArg, CompareArgs, PrecisionArg};
 use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
 use super::watch::{Made, follow};
+use super::{commands, opengl};
 
 /// Steps that progress hears of: those of the ladder, and the report.
 const STEPS: u64 = 11;
 
-pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(), Error> {
+/// Exit code 1 where a threshold was asked for and is exceeded.
+pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
+    let peer = args.against == AgainstArg::Opengl;
+    if peer {
+        opengl::check("--against opengl")?;
+    }
+    let lonely = [
+        ("--driver-info", args.driver_info),
+        ("--max-error", args.max_error.is_some()),
+    ];
+    if let Some((flag, _)) = lonely.into_iter().find(|(_, given)| *given && !peer) {
+        let message = "compares with a driver, and there is none";
+        return Err(Error::parameter(flag, message).with_help("add --against opengl"));
+    }
+    let over = Cell::new(false);
     follow(args.follow, &args.scene.scene, verbosity, || {
-        once(args, verbosity)
-    })
+        if !peer {
+            return once(args, verbosity);
+        }
+        let (made, exceeded) = opengl::compare(args, verbosity)?;
+        over.set(exceeded);
+        Ok(made)
+    })?;
+    Ok(ExitCode::from(u8::from(over.get())))
 }
 
 fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
@@ -96,7 +118,7 @@ fn ladder_options(args: &CompareArgs, quality: &Quality) -> decompose::Options {
 }
 
 /// Pictures of non-empty, finite planes of one size cannot be refused; if they are, it says so.
-fn figure<T>(result: Result<T, rastray_compare::CompareError>) -> Result<T, Error> {
+pub(super) fn figure<T>(result: Result<T, rastray_compare::CompareError>) -> Result<T, Error> {
     result.map_err(|e| Error::limit(format!("cannot compare the pictures: {e}")))
 }
 
@@ -253,7 +275,11 @@ pub(super) fn command_line() -> String {
 }
 
 /// What was rendered how, for the page.
-fn settings(args: &CompareArgs, scene: &Scene, quality: &Quality) -> Vec<(String, String)> {
+pub(super) fn settings(
+    args: &CompareArgs,
+    scene: &Scene,
+    quality: &Quality,
+) -> Vec<(String, String)> {
     let image = &scene.image;
     let precision = match args.quality.precision {
         PrecisionArg::F32 => "f32",

@@ -8,6 +8,11 @@ mod commands;
 mod compare;
 mod diagnostic;
 mod lecture;
+#[cfg(feature = "opengl")]
+mod opengl;
+#[cfg(not(feature = "opengl"))]
+#[path = "opengl_absent.rs"]
+mod opengl;
 mod options;
 mod progress;
 mod render;
@@ -132,20 +137,21 @@ pub(crate) fn run() -> ExitCode {
         ColorChoice::Auto => {}
     }
     let verbosity = options::Verbosity::new(cli.global.quiet, cli.global.verbose);
+    let done = |()| ExitCode::SUCCESS;
     let result = options::in_pool(cli.global.threads, || match &cli.command {
-        Command::Render(args) => render::render(args, verbosity),
+        Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
-        Command::Inspect(args) => commands::inspect(args),
+        Command::Inspect(args) => commands::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
-            Some(path) => sheet::contact_sheet(path, verbosity),
-            None => commands::scenes(args),
+            Some(path) => sheet::contact_sheet(path, verbosity).map(done),
+            None => commands::scenes(args).map(done),
         },
-        Command::Lecture(args) => lecture::lecture(args, verbosity),
-        Command::Schema => commands::schema(),
-        Command::Completions(args) => commands::completions(args, Cli::command()),
+        Command::Lecture(args) => lecture::lecture(args, verbosity).map(done),
+        Command::Schema => commands::schema().map(done),
+        Command::Completions(args) => commands::completions(args, Cli::command()).map(done),
     });
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             diagnostic::print(&error);
             ExitCode::from(2)

@@ -20,7 +20,7 @@ use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
 use super::series::Series;
 use super::watch::{Made, follow};
-use super::{commands, diagnostic, series};
+use super::{commands, diagnostic, opengl, series};
 
 /// What a render needs beyond the scene.
 struct Job {
@@ -40,6 +40,8 @@ struct Done {
     layers: Option<Layers<f32>>,
     triangles: usize,
     counters: Value,
+    /// Who drew it, where it was not this program.
+    remark: Option<String>,
     assemble_seconds: f64,
     plan_seconds: f64,
     render_seconds: f64,
@@ -61,6 +63,9 @@ impl Shot {
 }
 
 pub(super) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
+    if args.mode == ModeArg::Opengl {
+        opengl::check("--mode opengl")?;
+    }
     let several = Series::new(args)?;
     // A wrong output name is said before the work, not after it.
     check_output(args, several.is_some())?;
@@ -111,6 +116,10 @@ fn check_output(args: &RenderArgs, several: bool) -> Result<(), Error> {
 }
 
 fn layers_need_exr(args: &RenderArgs, format: Format) -> Result<(), Error> {
+    if args.layers && args.mode == ModeArg::Opengl {
+        let message = "OpenGL gives a picture, not its terms";
+        return Err(Error::parameter("--layers", message).with_help("use --mode raster"));
+    }
     if args.layers && format != Format::Exr {
         return Err(
             Error::parameter("--layers", "only .exr files hold named layers")
@@ -125,6 +134,9 @@ fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
     let shot = shoot(args, &[], verbosity)?;
     let name = || PathBuf::from(format!("{}.png", shot.imported.scene.name));
     let path = args.output.clone().unwrap_or_else(name);
+    if let Some(remark) = &shot.done.remark {
+        verbosity.say(remark);
+    }
     let writing = Instant::now();
     write(&path, &shot, args, verbosity)?;
     if path != Path::new("-") {
@@ -244,6 +256,7 @@ fn mode_name(mode: ModeArg) -> &'static str {
         ModeArg::Raster => "raster",
         ModeArg::Cast => "cast",
         ModeArg::Trace => "trace",
+        ModeArg::Opengl => "opengl",
     }
 }
 
@@ -309,6 +322,19 @@ fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
                 start.elapsed().as_secs_f64(),
             )
         }
+        ModeArg::Opengl => {
+            let drawn = opengl::draw(scene, &assembly, job.clamp)?;
+            return Ok(Done {
+                color: drawn.color,
+                layers: None,
+                triangles: assembly.triangles.len(),
+                counters: drawn.driver,
+                remark: Some(drawn.remark),
+                assemble_seconds,
+                plan_seconds: 0.0,
+                render_seconds: start.elapsed().as_secs_f64(),
+            });
+        }
     };
     if job.clamp {
         frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
@@ -347,6 +373,7 @@ fn done<R: Real>(frame: &Frame<R>, triangles: usize, counters: Value, seconds: [
         layers,
         triangles,
         counters,
+        remark: None,
         assemble_seconds,
         plan_seconds,
         render_seconds,

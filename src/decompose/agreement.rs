@@ -8,11 +8,9 @@
 
 use super::Options;
 use crate::error::Error;
-use crate::frame::{Frame, NONE, Plane};
-use crate::gl::{LightSource, ShadeModel};
+use crate::frame::{Frame, NONE};
+use crate::gl::ShadeModel;
 use crate::lanes::Real;
-use crate::math::DVec2;
-use crate::math::float::{dot, normalize};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::Model;
@@ -22,8 +20,6 @@ use crate::{raster, trace};
 const EDGE_PX: f64 = 1.0 / 256.0;
 /// Relative distance of two depths below which they are a tie (2^-22).
 const TIE: f64 = 1.0 / 4_194_304.0;
-/// Distance of a cosine from its boundary below which the two sides are both right (2^-18).
-const GATE: f64 = 1.0 / 262_144.0;
 
 /// Who covers the interior pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,11 +82,7 @@ fn compare<R: Real>(
     let plan = raster::Plan::new(scene, assembly, Model::Required);
     let raster_edge = plan.near_edge(&per_fragment.primitive, EDGE_PX);
     let cast_edge = plan.near_edge(&cast.primitive, EDGE_PX);
-    let probe = Discontinuities {
-        scene,
-        assembly,
-        lights: scene.lights_eye(),
-    };
+    let jump = plan.near_jump(&per_fragment.primitive, ShadeModel::Phong);
     let mut agreement = Agreement::default();
     let mut sum = 0.0;
     let mut judged = 0u64;
@@ -102,7 +94,7 @@ fn compare<R: Real>(
         let edge = raster_edge.data[pixel]
             || cast_edge.data[pixel]
             || (seen[0] != seen[1] && tie(per_fragment.depth.data[pixel], cast.depth.data[pixel]))
-            || probe.near(pixel, &per_fragment.primitive);
+            || jump.data[pixel];
         if edge {
             agreement.edge_pixels += 1;
             continue;
@@ -148,76 +140,4 @@ fn relative_error<R: Real>(a: &Frame<R>, b: &Frame<R>, pixel: usize) -> f64 {
         _ => f64::INFINITY,
     });
     error[0].max(error[1]).max(error[2])
-}
-
-/// Finds pixels whose visible point lies at a jump of the lighting equation.
-struct Discontinuities<'a, R> {
-    scene: &'a Scene,
-    assembly: &'a Assembly<R>,
-    lights: Vec<LightSource>,
-}
-
-impl<R: Real> Discontinuities<'_, R> {
-    fn near(&self, pixel: usize, primitives: &Plane<u32>) -> bool {
-        let primitive = primitives.data[pixel];
-        if primitive == NONE {
-            return false;
-        }
-        let place = [pixel % primitives.width, pixel / primitives.width].map(|x| x as f64 + 0.5);
-        let (position, normal) = self.surface(primitive, DVec2::from_array(place));
-        self.lights
-            .iter()
-            .any(|light| at_jump(light, position, normal))
-    }
-
-    /// Eye-space point and unit normal of a triangle under a place of the picture, in f64.
-    fn surface(&self, primitive: u32, place: DVec2) -> ([f64; 3], [f64; 3]) {
-        let image = &self.scene.image;
-        let (origin, direction) = self
-            .scene
-            .camera
-            .primary_ray(place, image.width, image.height);
-        let corners = self.assembly.triangles[primitive as usize];
-        let [a, b, c] = corners.map(|v| {
-            glam::DVec3::from_array(self.assembly.vertex_eye(v).map(Real::to_f64)) - origin
-        });
-        // Cross the ray first: weights relative to a vertex, accurate from afar.
-        let weights = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.cross(p).dot(q - p));
-        let sum = weights[0] + weights[1] + weights[2];
-        let weights = if sum == 0.0 {
-            [1.0, 0.0, 0.0]
-        } else {
-            weights.map(|w| w / sum)
-        };
-        let position = origin + weights[0] * a + weights[1] * b + weights[2] * c;
-        let mut normal = [0.0; 3];
-        for (v, w) in corners.into_iter().zip(weights) {
-            for (n, x) in normal.iter_mut().zip(self.assembly.vertex_normal(v)) {
-                *n += w * x.to_f64();
-            }
-        }
-        (position.to_array(), normalize(normal).0)
-    }
-}
-
-fn at_jump(light: &LightSource, position: [f64; 3], normal: [f64; 3]) -> bool {
-    let [x, y, z, w] = light.position;
-    let raw = if w == 0.0 {
-        [x, y, z]
-    } else {
-        [
-            x / w - position[0],
-            y / w - position[1],
-            z / w - position[2],
-        ]
-    };
-    let to_light = normalize(raw).0;
-    if dot(normal, to_light).abs() < GATE {
-        return true;
-    }
-    if light.spot_cutoff_deg == 180.0 {
-        return false;
-    }
-    let axis = normalize(light.spot_direction).0;
-    (-dot(to_light, axis) - libm::cos(light.spot_cutoff_deg.to_radians())).abs() < GATE
 }

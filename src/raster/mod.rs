@@ -22,6 +22,7 @@ mod clip;
 mod coverage;
 mod draw;
 mod edges;
+mod jumps;
 mod lit;
 mod outline;
 mod setup;

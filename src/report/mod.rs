@@ -10,6 +10,7 @@
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
 //!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
+//! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
@@ -25,6 +26,8 @@ mod layout;
 pub mod numbers;
 pub mod page;
 pub mod palette;
+#[cfg(feature = "opengl")]
+pub mod peer;
 pub mod picture;
 pub mod prose;
 mod sections;

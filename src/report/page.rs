@@ -319,7 +319,11 @@ pub(super) fn image(bytes: &[u8], width: usize, height: usize, alt: &str) -> Mar
 }
 
 /// A linear picture, all its pixels.
-fn linear_image(plane: &Plane<[f32; 3]>, view: View, alt: &str) -> Result<Markup, Error> {
+pub(super) fn linear_image(
+    plane: &Plane<[f32; 3]>,
+    view: View,
+    alt: &str,
+) -> Result<Markup, Error> {
     Ok(image(&png(plane, view)?, plane.width, plane.height, alt))
 }
 

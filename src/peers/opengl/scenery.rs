@@ -1,0 +1,248 @@
+//! A scene on its way into a framebuffer: colours in passes, then triangle numbers.
+//!
+//! In: a scene, its assembly, lights in eye space. Out: a [`Picture`]. Triangles go over in order, in runs of one material,
+//! the provoking vertex last, so that equal depths keep the lowest number as in the rasterizer.
+
+use std::ops::Range;
+
+use super::api::{self, Arrays, Gl};
+use super::shader::{Program, Stage};
+use super::target::Target;
+use super::{Method, Options, Picture, failed, state};
+use crate::error::Error;
+use crate::frame::{NONE, Plane};
+use crate::gl::{LightSource, ShadeModel};
+use crate::lanes::Real;
+use crate::math::color::clamp_rgb;
+use crate::sampling;
+use crate::scene::assembly::Assembly;
+use crate::scene::{Camera, Material, Scene};
+
+/// Triangles that one draw call takes at most.
+const RUN: usize = 1 << 15;
+/// Triangle numbers are drawn as two colours, low and high part: f32 holds both exactly.
+const NUMBER_BASE: u32 = 1 << 16;
+
+/// A scene on its way into a target.
+pub(super) struct Scenery<'a, R> {
+    /// The driver.
+    pub(super) gl: &'a Gl,
+    /// The scene.
+    pub(super) scene: &'a Scene,
+    /// Its triangles.
+    pub(super) assembly: &'a Assembly<R>,
+    /// How to draw.
+    pub(super) options: &'a Options,
+    /// Enabled lights, eye space.
+    pub(super) lights: Vec<LightSource>,
+    /// The camera as the driver has it.
+    pub(super) camera: Camera,
+}
+
+impl<R: Real> Scenery<'_, R> {
+    /// All samples, then the triangle numbers of the first.
+    pub(super) fn picture(&self, target: &Target<'_>, method: Method) -> Result<Picture, Error> {
+        let samples = self.scene.image.samples;
+        let mut sum: Vec<[f64; 3]> = Vec::new();
+        let mut window_depth = None;
+        for sample in 0..samples {
+            self.colors(sample, &method)?;
+            if window_depth.is_none() {
+                window_depth = Some(target.depths());
+            }
+            let colors = target.colors();
+            sum.resize(colors.data.len(), [0.0; 3]);
+            for (sum, color) in sum.iter_mut().zip(&colors.data) {
+                for (s, c) in sum.iter_mut().zip(color) {
+                    *s += f64::from(*c);
+                }
+            }
+        }
+        let primitive = self.numbers(target);
+        let (width, height) = (primitive.width, primitive.height);
+        let data = sum.into_iter();
+        Ok(Picture {
+            color: Plane {
+                width,
+                height,
+                data: data.map(|s| sampling::resolve(s, samples)).collect(),
+            },
+            window_depth: window_depth.unwrap_or_else(|| Plane::filled(width, height, 1.0)),
+            primitive,
+            method,
+            camera: self.camera,
+        })
+    }
+
+    /// State that colours and numbers share, and an empty picture.
+    fn start(&self, sample: u32, clear: [f32; 4], clamp: bool) {
+        let (gl, image) = (self.gl, &self.scene.image);
+        state::set_scene(gl, self.scene, self.options.shading, clamp);
+        let (x, y) = sampling::position(image.pattern, image.samples, 0, 0, sample);
+        // The sample lies right of and below the centre by this much: the picture moves left and up.
+        let [right, down] = [x, y].map(|p| f64::from(p) / f64::from(sampling::SUBPIXEL) - 0.5);
+        let size = [image.width, image.height].map(f64::from);
+        state::set_matrices(gl, &self.camera, size, [-right, down]);
+        let [r, g, b, a] = clear;
+        gl.clear_color(r, g, b, a);
+        gl.clear_depth(1.0);
+        gl.clear(api::COLOR_BUFFER_BIT | api::DEPTH_BUFFER_BIT);
+    }
+
+    /// One sample's colours.
+    fn colors(&self, sample: u32, method: &Method) -> Result<(), Error> {
+        let (gl, clamp) = (self.gl, self.options.clamp);
+        let background = self.scene.image.background;
+        let background = if clamp {
+            clamp_rgb(background)
+        } else {
+            background
+        };
+        self.start(sample, state::rgba(background, 0.0), clamp);
+        let stage = match method {
+            Method::FixedFunction { .. } => {
+                self.fixed_function();
+                return Ok(());
+            }
+            Method::VertexShader { .. } => Stage::Vertex,
+            Method::FragmentShader => Stage::Fragment,
+        };
+        let model = &self.scene.light_model;
+        state::switch(gl, api::COLOR_SUM, stage == Stage::Vertex);
+        state::switch(gl, api::VERTEX_PROGRAM_TWO_SIDE, model.two_sided);
+        let program = Program::new(gl, stage, model, &self.lights, clamp).map_err(failed)?;
+        self.each_run(|material, arrays| {
+            let back = material.back.as_ref().unwrap_or(&material.front);
+            program.set_materials([&material.front, back]);
+            gl.draw_triangles(arrays);
+        });
+        Ok(())
+    }
+
+    /// Lights in groups that GL holds: the first pass with emission and scene ambient, further ones added to it.
+    fn fixed_function(&self) {
+        let gl = self.gl;
+        let most = gl.integer(api::MAX_LIGHTS).max(1) as usize;
+        let mut groups: Vec<&[LightSource]> = self.lights.chunks(most).collect();
+        if groups.is_empty() {
+            groups.push(&[]);
+        }
+        gl.enable(api::LIGHTING);
+        for (pass, group) in groups.into_iter().enumerate() {
+            let first = pass == 0;
+            state::set_light_model(gl, &self.scene.light_model, first);
+            for i in 0..most {
+                match group.get(i) {
+                    Some(light) => state::set_light(gl, i as u32, light),
+                    None => gl.disable(api::LIGHT0 + i as u32),
+                }
+            }
+            if !first {
+                // The same triangles have the same depths (GL 2.1 appendix A): each adds to what is seen.
+                gl.depth_func(api::EQUAL);
+                gl.depth_mask(0);
+                gl.enable(api::BLEND);
+                gl.blend_func(api::ONE, api::ONE);
+            }
+            self.each_run(|material, arrays| {
+                let back = material.back.as_ref().unwrap_or(&material.front);
+                state::set_material(gl, api::FRONT, &material.front, first);
+                state::set_material(gl, api::BACK, back, first);
+                gl.draw_triangles(arrays);
+            });
+        }
+        gl.disable(api::LIGHTING);
+    }
+
+    /// Which triangle each pixel shows at the first sample.
+    fn numbers(&self, target: &Target<'_>) -> Plane<u32> {
+        self.start(0, [-1.0; 4], false);
+        self.gl.shade_model(api::FLAT);
+        let mut number = 0u32;
+        let mut arrays = Arrays::default();
+        for range in runs(&self.assembly.material) {
+            self.gather(range.clone(), &mut arrays);
+            for _ in range {
+                let (high, low) = (number / NUMBER_BASE, number % NUMBER_BASE);
+                let color = [low as f32, high as f32, 0.0, 1.0];
+                arrays.colors.extend([color; 3]);
+                number += 1;
+            }
+            self.gl.draw_triangles(&arrays);
+        }
+        target.colors().map(|&[low, high, ..]| {
+            if low < 0.0 {
+                NONE
+            } else {
+                high as u32 * NUMBER_BASE + low as u32
+            }
+        })
+    }
+
+    /// Hands over the triangles in order, in runs of one material.
+    fn each_run(&self, mut draw: impl FnMut(&Material, &Arrays)) {
+        let mut arrays = Arrays::default();
+        for range in runs(&self.assembly.material) {
+            let material = self.assembly.material[range.start] as usize;
+            self.gather(range, &mut arrays);
+            draw(&self.scene.materials[material], &arrays);
+        }
+    }
+
+    /// Eye-space positions and normals of consecutive triangles, the provoking vertex last.
+    fn gather(&self, range: Range<usize>, arrays: &mut Arrays) {
+        arrays.clear();
+        let assembly = self.assembly;
+        // The rasterizer's per-fragment lighting interpolates unit normals; lengths count at vertices only.
+        let lengths = self.options.shading != ShadeModel::Phong;
+        for vertex in assembly.triangles[range].iter().flatten() {
+            let length = assembly.normal_length.get(*vertex as usize);
+            let length = length.filter(|_| lengths).map_or(1.0, |l| l.to_f64());
+            let normal = assembly.vertex_normal(*vertex);
+            arrays
+                .positions
+                .push(assembly.vertex_eye(*vertex).map(Real::to_f32));
+            arrays
+                .normals
+                .push(normal.map(|n| (n.to_f64() * length) as f32));
+        }
+    }
+}
+
+/// Runs of consecutive equal materials, none longer than [`RUN`].
+fn runs(materials: &[u32]) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    for end in 1..=materials.len() {
+        let full = end - start == RUN;
+        if full || end == materials.len() || materials[end] != materials[start] {
+            found.push(start..end);
+            start = end;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_cover_everything_once_and_in_order() {
+        let mut materials = vec![0; RUN + 3];
+        materials.extend([1, 1, 0, 2, 2]);
+        let found = runs(&materials);
+        assert_eq!(found.len(), 5);
+        assert_eq!(found[0], 0..RUN);
+        let joined: Vec<usize> = found.iter().cloned().flatten().collect();
+        assert_eq!(joined, (0..materials.len()).collect::<Vec<_>>());
+        for run in found {
+            assert!(
+                materials[run.clone()]
+                    .iter()
+                    .all(|m| *m == materials[run.start])
+            );
+        }
+        assert!(runs(&[]).is_empty());
+    }
+}
