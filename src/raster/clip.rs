@@ -72,9 +72,9 @@ fn between(a: &Vertex, b: &Vertex, d_a: f64, d_b: f64) -> Vertex {
 
 /// The part of a triangle that may be divided and snapped; fewer than three vertices = nothing.
 pub(super) fn clip(view: &View, corners: [Vertex; 3]) -> Polygon {
-    let mut polygon = Polygon::triangle(corners).cut(|v| v.distance - view.near);
-    if view.far < f64::INFINITY {
-        polygon = polygon.cut(|v| view.far - v.distance);
+    let mut polygon = Polygon::triangle(corners).cut(|v| view.inside_near(v));
+    if corners.iter().any(|v| view.inside_far(v) < 0.0) {
+        polygon = polygon.cut(|v| view.inside_far(v));
     }
     if polygon.vertices().iter().any(|v| view.snap(v).is_none()) {
         // Half the guard, so that the picture's own offset and rounding stay inside the whole.

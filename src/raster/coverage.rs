@@ -83,7 +83,7 @@ fn covered(view: &View, corners: [Vertex; 3], origin: [i64; 2], size: [u32; 2]) 
         min: center,
         max: center,
     };
-    let mut builder = Builder::new(view, grid, samples, Cull::None);
+    let mut builder = Builder::new(view, grid, samples, (Cull::None, true));
     builder.clipped(0, corners);
     let chunk = builder.finish();
     let mut runs = Vec::new();

@@ -29,6 +29,7 @@ mod shade;
 mod slots;
 mod tile;
 mod view;
+mod window;
 
 pub use coverage::{Run, coverage, coverage_clip_space, depth_key, perspective_weights};
 
@@ -40,12 +41,11 @@ use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::lighting::Rig;
-use crate::math::DVec2;
 use crate::math::float::normalize;
 use crate::sampling::{self, Pattern};
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{self, Feature, Model, Requirements};
-use crate::scene::{Projection, Scene};
+use crate::scene::Scene;
 use draw::Drawer;
 use lit::Mode;
 use setup::{Builder, Chunk, SampleBox, TileGrid};
@@ -233,8 +233,8 @@ impl<'a, R: Real> Plan<'a, R> {
         let chunks = triangles.par_chunks(length).enumerate();
         chunks
             .map(|(index, part)| {
-                let cull = self.scene.raster.cull;
-                let mut builder = Builder::new(&self.view, self.grid, samples, cull);
+                let state = (self.scene.raster.cull, self.scene.raster.depth_test);
+                let mut builder = Builder::new(&self.view, self.grid, samples, state);
                 for (i, corners) in part.iter().enumerate() {
                     let primitive = (index * length + i) as u32;
                     let places = corners.map(|v| snapped[v as usize]);
@@ -256,7 +256,7 @@ impl<'a, R: Real> Plan<'a, R> {
             .into_par_iter()
             .map(|(x, y, z)| {
                 let v = self.view.vertex([x, y, z].map(|x| x.to_f64()));
-                let inside = v.distance >= self.view.near && v.distance <= self.view.far;
+                let inside = self.view.inside_near(&v) >= 0.0 && self.view.inside_far(&v) >= 0.0;
                 let small = |p: &[i64; 2]| p.iter().all(|c| c.abs() <= edges::SMALL_UNITS);
                 match self.view.snap(&v).filter(small) {
                     Some(place) if inside => place.map(|c| c as i32),
@@ -290,15 +290,9 @@ impl<'a, R: Real> Plan<'a, R> {
         }
     }
 
-    /// X and Y of the ray through a place of the pixel frame: what weights and depth keys are evaluated at.
+    /// X and Y of the ray through a place of the pixel frame.
     fn ray(&self, x: f64, y: f64) -> [f64; 2] {
-        let [width, height] = self.grid.size.map(|n| n as u32);
-        let camera = &self.scene.camera;
-        let (origin, direction) = camera.primary_ray(DVec2::new(x, y), width, height);
-        match camera.projection {
-            Projection::Perspective { .. } => [direction.x, direction.y],
-            Projection::Orthographic { .. } => [origin.x, origin.y],
-        }
+        self.view.ray([x, y])
     }
 }
 

@@ -12,6 +12,7 @@ use super::Counters;
 use super::clip::{Polygon, clip};
 use super::edges::{Edges, SAMPLE_BITS, SMALL_UNITS, double_area};
 use super::view::{Vertex, View, orientation};
+use crate::math::float::dot;
 use crate::scene::Cull;
 
 /// Side of a screen tile in pixels.
@@ -141,6 +142,7 @@ pub(super) struct Builder<'a> {
     grid: TileGrid,
     samples: SampleBox,
     cull: Cull,
+    depth_test: bool,
     chunk: Chunk,
     /// Tile and record, in primitive order.
     entries: Vec<(u32, u32)>,
@@ -148,12 +150,18 @@ pub(super) struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// Nothing set up yet.
-    pub(super) fn new(view: &'a View, grid: TileGrid, samples: SampleBox, cull: Cull) -> Self {
+    pub(super) fn new(
+        view: &'a View,
+        grid: TileGrid,
+        samples: SampleBox,
+        (cull, depth_test): (Cull, bool),
+    ) -> Self {
         Self {
             view,
             grid,
             samples,
             cull,
+            depth_test,
             chunk: Chunk::default(),
             entries: Vec::new(),
         }
@@ -191,7 +199,7 @@ impl<'a> Builder<'a> {
             return;
         }
         let corners = corners();
-        let (key, range) = self.depth(&corners, &corners);
+        let (key, range) = self.depth(primitive, &corners, &corners);
         self.push(primitive, v, area < 0, key, range, tiles);
         self.chunk.counters.triangles_drawn += 1;
     }
@@ -216,7 +224,7 @@ impl<'a> Builder<'a> {
         if !self.keeps(facing, area == 0) {
             return;
         }
-        let (key, range) = self.depth(&corners, vertices);
+        let (key, range) = self.depth(primitive, &corners, vertices);
         let mut drawn = false;
         for v in fans() {
             // Snapping may fold a sliver of the fan over; what it would take back is not drawn.
@@ -298,8 +306,12 @@ impl<'a> Builder<'a> {
         Some(range)
     }
 
-    /// The depth key of a triangle, and the least and greatest key of the part that is drawn.
-    fn depth(&self, corners: &[Vertex; 3], drawn: &[Vertex]) -> ([f64; 3], [f32; 2]) {
+    /// The depth key of a triangle, and the least and greatest key of the part that is drawn. Without a depth test the
+    /// key is the primitive number: the last one drawn shows.
+    fn depth(&self, primitive: u32, corners: &[Vertex; 3], drawn: &[Vertex]) -> ([f64; 3], [f32; 2]) {
+        if !self.depth_test {
+            return ([f64::from(primitive), 0.0, 0.0], [f32::NEG_INFINITY, f32::INFINITY]);
+        }
         let keys = drawn.iter().map(|v| self.view.depth_key(v));
         let (least, most) = keys.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| {
             (l.min(k), m.max(k))
@@ -311,7 +323,7 @@ impl<'a> Builder<'a> {
         if f64::from(range[1]) < most {
             range[1] = range[1].next_up();
         }
-        (key_plane(self.view.perspective, corners), range)
+        (key_plane(self.view, corners), range)
     }
 
     fn push(
@@ -378,24 +390,34 @@ pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2]
 
 /// k0, kx, ky with key = k0 + kx X + ky Y on the triangle's plane. May be infinite or NaN for planes that are all but
 /// edge-on; the range bounds what is used.
-fn key_plane(perspective: bool, corners: &[Vertex; 3]) -> [f64; 3] {
-    let point = |v: &Vertex| [v.x, v.y, if perspective { v.w } else { -v.distance }];
-    let [p0, p1, p2] = [0, 1, 2].map(|i| point(&corners[i]));
-    let (u, v) = (subtract(p1, p0), subtract(p2, p0));
-    let n = [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ];
-    if perspective {
-        let d = n[0] * p0[0] + n[1] * p0[1] + n[2] * p0[2];
-        [n[2] / d, n[0] / d, n[1] / d]
+fn key_plane(view: &View, corners: &[Vertex; 3]) -> [f64; 3] {
+    let [h0, h1, h2] = corners.map(|v| v.homogeneous());
+    let [q0, q1, q2] = corners.map(|v| view.depth_numerator(&v));
+    let (u, v) = (subtract(h1, h0), subtract(h2, h0));
+    // k . h_i = q_i at each corner: k det = q0 (u x v) + (q1 - q0) (v x h0) + (q2 - q0) (h0 x u), det = (u x v) . h0.
+    // Where all q are equal (perspective) it is a multiple of the plane's normal.
+    let (n, first, second) = (cross(u, v), cross(v, h0), cross(h0, u));
+    let det = dot(n, h0);
+    let k = |axis: usize| {
+        (q0 * n[axis] + (q1 - q0) * first[axis] + (q2 - q0) * second[axis]) / det
+    };
+    if view.is_parallel() {
+        // From corner 0 on: far from the picture's centre the constant part would cancel.
+        let (kx, ky) = (k(0), k(1));
+        [q0 - kx * h0[0] - ky * h0[1], kx, ky]
     } else {
-        let (kx, ky) = (-n[0] / n[2], -n[1] / n[2]);
-        [p0[2] - kx * p0[0] - ky * p0[1], kx, ky]
+        [k(2), k(0), k(1)]
     }
 }
 
 fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

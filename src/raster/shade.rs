@@ -256,7 +256,7 @@ impl<R: Real> Workspace<R> {
         let shown = &mut self.shown;
         shown.primitive.copy_from_slice(&self.visibility.primitive);
         shown.depth.fill(R::INFINITY);
-        let [near, far] = [plan.view.near, plan.view.far];
+        let [near, far] = plan.view.distances();
         let z = &plan.assembly.position_eye[2];
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);

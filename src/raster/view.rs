@@ -6,6 +6,7 @@
 //! GL's `z + w >= 0` and `z <= w` (GL 2.1 section 2.12) read `near <= distance <= far`. So the near test, the facing and
 //! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts.
 
+use crate::math::{DVec2, DVec4};
 use crate::scene::{Camera, FrontFace, Projection, Snap};
 
 /// Guard band in snapped units: beyond it x and y are clipped, so that the integers of `edges` cannot overflow.
@@ -21,8 +22,19 @@ pub(super) struct Vertex {
     pub(super) y: f64,
     /// Divisor: the distance (perspective) or 1 (orthographic).
     pub(super) w: f64,
-    /// Distance along -z: what the near and far planes bound.
+    /// Distance along -z, which the near and far planes bound; z + w of clip space under [`Projection::Matrix`].
     pub(super) distance: f64,
+}
+
+/// Where the sample at a place of the picture looks.
+#[derive(Clone, Copy, Debug)]
+enum Lens {
+    /// Through the camera's own ray.
+    Camera(Camera),
+    /// At normalized device coordinates.
+    Ndc,
+    /// At the place itself.
+    Pixels,
 }
 
 impl Vertex {
@@ -47,8 +59,13 @@ pub(super) struct View {
     pub(super) center: [f64; 2],
     /// Sub-pixel bits of the snap.
     pub(super) bits: u32,
+    /// Size of the picture in pixels.
+    size: [u32; 2],
+    lens: Lens,
     /// The divisor is the distance.
     pub(super) perspective: bool,
+    /// The far plane is w - z >= 0 of clip space, whatever `far` says.
+    clips_far: bool,
     /// Smallest distance drawn.
     pub(super) near: f64,
     /// Largest distance drawn; +infinity where there is none.
@@ -62,13 +79,17 @@ impl View {
     pub(super) fn new(camera: &Camera, size: [u32; 2], snap: Snap, front_face: FrontFace) -> Self {
         let [width, height] = size.map(f64::from);
         let half = camera.half_extent(width / height);
+        let matrix = matches!(camera.projection, Projection::Matrix { .. });
         Self {
             scale: [width / 2.0 / half.x, height / 2.0 / half.y],
             center: [width / 2.0, height / 2.0],
             bits: snap.bits(),
+            size,
+            lens: Lens::Camera(*camera),
             perspective: matches!(camera.projection, Projection::Perspective { .. }),
-            near: camera.near,
-            far: camera.far.unwrap_or(f64::INFINITY),
+            clips_far: matrix,
+            near: if matrix { 0.0 } else { camera.near },
+            far: camera.far.filter(|_| !matrix).unwrap_or(f64::INFINITY),
             front_sign: match front_face {
                 FrontFace::Ccw => 1,
                 FrontFace::Cw => -1,
@@ -82,7 +103,10 @@ impl View {
             scale: [1.0, -1.0],
             center: [0.0; 2],
             bits: snap.bits(),
+            size: [0; 2],
+            lens: Lens::Pixels,
             perspective: true,
+            clips_far: false,
             near: 0.0,
             far: f64::INFINITY,
             front_sign: 1,
@@ -95,18 +119,88 @@ impl View {
         Self {
             scale: half,
             center: half,
+            size,
+            lens: Lens::Ndc,
             ..Self::pixels(snap)
         }
     }
 
     /// An eye-space point, homogeneous.
     pub(super) fn vertex(&self, eye: [f64; 3]) -> Vertex {
+        if let Some(clip) = self.clip_coordinates(eye) {
+            return Vertex {
+                x: clip.x,
+                y: clip.y,
+                w: clip.w,
+                distance: clip.z + clip.w,
+            };
+        }
         let distance = -eye[2];
         Vertex {
             x: eye[0],
             y: eye[1],
             w: if self.perspective { distance } else { 1.0 },
             distance,
+        }
+    }
+
+    /// Clip coordinates, where the projection is a matrix of its own.
+    fn clip_coordinates(&self, [x, y, z]: [f64; 3]) -> Option<DVec4> {
+        let Lens::Camera(camera) = &self.lens else {
+            return None;
+        };
+        match camera.projection {
+            Projection::Matrix { clip_from_eye } => Some(clip_from_eye * DVec4::new(x, y, z, 1.0)),
+            _ => None,
+        }
+    }
+
+    /// X and Y of the ray through a place of the pixel frame: what weights and depth keys are evaluated at. A vertex lies
+    /// on the ray of (x / w, y / w).
+    pub(super) fn ray(&self, place: [f64; 2]) -> [f64; 2] {
+        let [x, y] = place;
+        let [width, height] = self.size.map(f64::from);
+        let ndc = || [2.0 * x / width - 1.0, 1.0 - 2.0 * y / height];
+        let Lens::Camera(camera) = &self.lens else {
+            return match self.lens {
+                Lens::Pixels => place,
+                _ => ndc(),
+            };
+        };
+        let (origin, direction) =
+            camera.primary_ray(DVec2::new(x, y), self.size[0], self.size[1]);
+        match camera.projection {
+            Projection::Perspective { .. } => [direction.x, direction.y],
+            Projection::Orthographic { .. } => [origin.x, origin.y],
+            Projection::Matrix { .. } => ndc(),
+        }
+    }
+
+    /// Rays are parallel and the key is affine in eye space.
+    pub(super) fn is_parallel(&self) -> bool {
+        !self.perspective && !self.clips_far
+    }
+
+    /// Least and greatest distance along -z of what is drawn; unbounded where a matrix has its own planes.
+    pub(super) fn distances(&self) -> [f64; 2] {
+        if self.clips_far {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            [self.near, self.far]
+        }
+    }
+
+    /// How far before the near plane a vertex lies, in some positive unit; negative = clipped (GL 2.1 section 2.12).
+    pub(super) fn inside_near(&self, v: &Vertex) -> f64 {
+        v.distance - self.near
+    }
+
+    /// How far before the far plane a vertex lies, in some positive unit; negative = clipped; +infinity where there is none.
+    pub(super) fn inside_far(&self, v: &Vertex) -> f64 {
+        if self.clips_far {
+            2.0 * v.w - v.distance
+        } else {
+            self.far - v.distance
         }
     }
 
@@ -133,13 +227,19 @@ impl View {
         1 << self.bits
     }
 
-    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far) or -distance.
+    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far) or -distance;
+    /// -(z / w + 1) of clip space under a matrix.
     pub(super) fn depth_key(&self, v: &Vertex) -> f64 {
         if self.perspective {
             1.0 / v.w
         } else {
-            -v.distance
+            -v.distance / v.w
         }
+    }
+
+    /// The key's numerator: the key is this over w.
+    pub(super) fn depth_numerator(&self, v: &Vertex) -> f64 {
+        if self.perspective { 1.0 } else { -v.distance }
     }
 }
 

@@ -120,6 +120,9 @@ pub struct RasterSettings {
     pub depth_range: [f64; 2],
     /// Sub-pixel grid. Default 8 bits.
     pub snap: Snap,
+    /// The nearest surface shows (GL_DEPTH_TEST with GL_LESS); else the last one drawn does, and depth stays unwritten. The
+    /// tracer ignores it. Default true.
+    pub depth_test: bool,
 }
 
 impl Default for RasterSettings {
@@ -130,6 +133,7 @@ impl Default for RasterSettings {
             front_face: FrontFace::Ccw,
             depth_range: [0.0, 1.0],
             snap: Snap::Bits8,
+            depth_test: true,
         }
     }
 }

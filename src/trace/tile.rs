@@ -139,18 +139,24 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| Path {
-            ray: Ray {
-                origin: camera.eye + world_from_eye * origin,
+        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| {
+            let [t_min, t_max] = camera.ray_range(origin, direction);
+            // A matrix may put its near plane behind the eye: such a ray starts there.
+            let back = t_min.min(0.0);
+            let ray = Ray {
+                origin: camera.eye + world_from_eye * (origin + back * direction),
                 direction: world_from_eye * direction,
-                t_min: camera.near,
-                t_max: camera.far.unwrap_or(f64::INFINITY),
+                t_min: t_min - back,
+                t_max: t_max - back,
                 skip: NO_ITEM,
-            },
-            weight: [1.0; 3],
-            pixel: pixel as u32,
-            branch: Branch::Primary,
-            media: AIR,
+            };
+            Path {
+                ray,
+                weight: [1.0; 3],
+                pixel: pixel as u32,
+                branch: Branch::Primary,
+                media: AIR,
+            }
         };
         self.eye_rays.iter().enumerate().map(path).collect()
     }

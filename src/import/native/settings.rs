@@ -114,6 +114,9 @@ impl<'a> Reader<'a> {
         if let Some(range) = depth_range(&section)? {
             raster.depth_range = range;
         }
+        if let Some(depth_test) = section.bool("depth_test")? {
+            raster.depth_test = depth_test;
+        }
         if let Some(snap) = snap(&section)? {
             raster.snap = snap;
         }
