@@ -308,9 +308,17 @@ impl<'a> Builder<'a> {
 
     /// The depth key of a triangle, and the least and greatest key of the part that is drawn. Without a depth test the
     /// key is the primitive number: the last one drawn shows.
-    fn depth(&self, primitive: u32, corners: &[Vertex; 3], drawn: &[Vertex]) -> ([f64; 3], [f32; 2]) {
+    fn depth(
+        &self,
+        primitive: u32,
+        corners: &[Vertex; 3],
+        drawn: &[Vertex],
+    ) -> ([f64; 3], [f32; 2]) {
         if !self.depth_test {
-            return ([f64::from(primitive), 0.0, 0.0], [f32::NEG_INFINITY, f32::INFINITY]);
+            return (
+                [f64::from(primitive), 0.0, 0.0],
+                [f32::NEG_INFINITY, f32::INFINITY],
+            );
         }
         let keys = drawn.iter().map(|v| self.view.depth_key(v));
         let (least, most) = keys.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| {
@@ -398,9 +406,7 @@ fn key_plane(view: &View, corners: &[Vertex; 3]) -> [f64; 3] {
     // Where all q are equal (perspective) it is a multiple of the plane's normal.
     let (n, first, second) = (cross(u, v), cross(v, h0), cross(h0, u));
     let det = dot(n, h0);
-    let k = |axis: usize| {
-        (q0 * n[axis] + (q1 - q0) * first[axis] + (q2 - q0) * second[axis]) / det
-    };
+    let k = |axis: usize| (q0 * n[axis] + (q1 - q0) * first[axis] + (q2 - q0) * second[axis]) / det;
     if view.is_parallel() {
         // From corner 0 on: far from the picture's centre the constant part would cancel.
         let (kx, ky) = (k(0), k(1));

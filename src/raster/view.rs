@@ -167,8 +167,7 @@ impl View {
                 _ => ndc(),
             };
         };
-        let (origin, direction) =
-            camera.primary_ray(DVec2::new(x, y), self.size[0], self.size[1]);
+        let (origin, direction) = camera.primary_ray(DVec2::new(x, y), self.size[0], self.size[1]);
         match camera.projection {
             Projection::Perspective { .. } => [direction.x, direction.y],
             Projection::Orthographic { .. } => [origin.x, origin.y],

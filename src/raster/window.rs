@@ -6,13 +6,13 @@
 use rayon::prelude::*;
 
 use super::attribute::Weights;
+use super::setup::TILE;
 use super::tile::{Samples, Visibility};
 use super::{Counters, Plan};
 use crate::frame::{Frame, NONE, Plane};
 use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::sampling::SUBPIXEL;
-use super::setup::TILE;
 
 impl<R: Real> Plan<'_, R> {
     /// Window depth of what a frame of this plan shows, after the scene's depth range: 1, GL's clear value, where nothing
@@ -34,7 +34,13 @@ impl<R: Real> Plan<'_, R> {
         Plane {
             width: frame.primitive.width,
             height: frame.primitive.height,
-            data: frame.primitive.data.par_iter().enumerate().map(depth).collect(),
+            data: frame
+                .primitive
+                .data
+                .par_iter()
+                .enumerate()
+                .map(depth)
+                .collect(),
         }
     }
 
@@ -85,7 +91,10 @@ impl<R: Real> Plan<'_, R> {
                 ray[y * TILE + x] = self.ray(at(0), at(1));
             }
         }
-        let samples = Samples::Each { offset: &offset, ray: &ray };
+        let samples = Samples::Each {
+            offset: &offset,
+            ray: &ray,
+        };
         for (record, v) in self.chunks.iter().flat_map(|chunk| chunk.of_tile(index)) {
             visibility.clear();
             let counters = &mut Counters::default();

@@ -165,7 +165,11 @@ fn matrix_ray(clip_from_eye: &DMat4, x: f64, y: f64) -> (DVec3, DVec3) {
     let p = clip_from_eye.row(0) - x * last;
     let q = clip_from_eye.row(1) - y * last;
     let d = p.truncate().cross(q.truncate());
-    let origin = DVec3::new((p.y * q.w - q.y * p.w) / d.z, (q.x * p.w - p.x * q.w) / d.z, 0.0);
+    let origin = DVec3::new(
+        (p.y * q.w - q.y * p.w) / d.z,
+        (q.x * p.w - p.x * q.w) / d.z,
+        0.0,
+    );
     (origin, DVec3::new(-d.x / d.z, -d.y / d.z, -1.0))
 }
 

@@ -159,9 +159,7 @@ pub(crate) fn shading(name: &str) -> Result<ShadeModel, Failure> {
         "flat" => Ok(ShadeModel::Flat),
         "gouraud" | "smooth" => Ok(ShadeModel::Gouraud),
         "phong" => Ok(ShadeModel::Phong),
-        other => {
-            Err(format!("--shading: expected flat, gouraud or phong, found {other:?}").into())
-        }
+        other => Err(format!("--shading: expected flat, gouraud or phong, found {other:?}").into()),
     }
 }
 
@@ -207,7 +205,11 @@ pub(crate) fn draw<R: Real>(
     Ok(Buffers {
         rgba: bottom_up(&rgba),
         depth: bottom_up(&plan.window_depth(&frame).map(|z| *z as f32)),
-        prim: bottom_up(&frame.primitive.map(|p| if *p == NONE { -1 } else { *p as i32 })),
+        prim: bottom_up(
+            &frame
+                .primitive
+                .map(|p| if *p == NONE { -1 } else { *p as i32 }),
+        ),
         count: bottom_up(&plan.coverage_counts().map(|n| (*n).min(255) as u8)),
     })
 }
@@ -300,7 +302,10 @@ fn scene(case: &Case, folder: &Path) -> Result<Scene, Failure> {
 
 /// The value of a name in one of the library's tables.
 fn named<T: Copy>(key: &str, names: &[(&'static str, T)], name: &str) -> Result<T, Failure> {
-    let found = names.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
+    let found = names
+        .iter()
+        .find(|(n, _)| *n == name)
+        .map(|(_, value)| *value);
     found.ok_or_else(|| format!("{key}: unknown value {name:?}").into())
 }
 
@@ -364,7 +369,11 @@ impl CaseMesh {
         let mut normals = points(&self.normals);
         // The current normal, where none is given.
         normals.resize(positions.len(), DVec3::Z);
-        if let Some(bad) = self.indices.iter().find(|i| **i as usize >= positions.len()) {
+        if let Some(bad) = self
+            .indices
+            .iter()
+            .find(|i| **i as usize >= positions.len())
+        {
             return Err(format!("index {bad} of {} positions", positions.len()).into());
         }
         let triangles = self.indices.chunks_exact(3);
