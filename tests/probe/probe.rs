@@ -16,7 +16,7 @@ use rastray::scene::Snap;
 /// Anything that stops the program, as one sentence.
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64
+const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64 [--snap 8|12]
        probe gl-lights --precision f32|f64 < light-cases.jsonl
        probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12]
        probe lighting < cases.jsonl";
@@ -39,8 +39,12 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match (command, precision(arguments)?) {
-        ("cases", Precision::F32) => numerics::answer::<f32>(&cases_file(arguments)?, &mut out)?,
-        ("cases", Precision::F64) => numerics::answer::<f64>(&cases_file(arguments)?, &mut out)?,
+        ("cases", Precision::F32) => {
+            numerics::answer::<f32>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+        }
+        ("cases", Precision::F64) => {
+            numerics::answer::<f64>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+        }
         ("gl-lights", Precision::F32) => each_line(&mut out, gl_lights::answer::<f32>)?,
         ("gl-lights", Precision::F64) => each_line(&mut out, gl_lights::answer::<f64>)?,
         ("lighting", _) => each_line(&mut out, gl_lights::terms)?,
@@ -55,19 +59,22 @@ fn gl_scene(arguments: &[String]) -> Result<(), Failure> {
     let path = arguments.get(1).ok_or(USAGE)?;
     let prefix = option(arguments, "-o").ok_or(USAGE)?;
     let shading = gl_scene::shading(option(arguments, "--shading").ok_or(USAGE)?)?;
-    let snap = match option(arguments, "--snap") {
-        None | Some("8") => Snap::Bits8,
-        Some("12") => Snap::Bits12,
-        Some(other) => return Err(format!("--snap: expected 8 or 12, found {other:?}").into()),
-    };
     let folder = std::path::Path::new(path).parent().unwrap_or("".as_ref());
     let text = file(path)?;
     let stated = option(arguments, "--precision").is_some();
     let buffers = match precision(arguments)? {
-        Precision::F64 if stated => gl_scene::draw::<f64>(&text, folder, shading, snap),
-        _ => gl_scene::draw::<f32>(&text, folder, shading, snap),
+        Precision::F64 if stated => gl_scene::draw::<f64>(&text, folder, shading, snap(arguments)?),
+        _ => gl_scene::draw::<f32>(&text, folder, shading, snap(arguments)?),
     };
     buffers.map_err(|e| format!("{path}: {e}"))?.write(prefix)
+}
+
+fn snap(arguments: &[String]) -> Result<Snap, Failure> {
+    match option(arguments, "--snap") {
+        None | Some("8") => Ok(Snap::Bits8),
+        Some("12") => Ok(Snap::Bits12),
+        Some(other) => Err(format!("--snap: expected 8 or 12, found {other:?}").into()),
+    }
 }
 
 enum Precision {
