@@ -277,7 +277,7 @@ fn settings(args: &CompareArgs, scene: &Scene, quality: &Quality) -> Vec<(String
         ),
         ("depth", scene.trace.depth.to_string()),
         ("precision", precision.to_owned()),
-        ("snap", scene.raster.snap.bits().to_string()),
+        ("snap", scene.raster.snap.name().to_owned()),
         ("isa", quality.isa.name().to_owned()),
         ("threads", rayon::current_num_threads().to_string()),
     ];

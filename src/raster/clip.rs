@@ -1,15 +1,15 @@
-//! Clipping of one triangle in homogeneous space, before any division (GL 2.1 section 2.12).
+//! Clipping of one triangle in homogeneous space, before any division (GL 2.1 section 2.12): where its picture lies.
 //!
-//! Near always, far where the camera has one, x and y only at the guard band. Only places are clipped: attributes,
-//! flat colours and facing come from the whole triangle (so a vertex made here never becomes a provoking vertex). A cut
-//! is computed from the inside end to the outside end, so that two triangles sharing an edge get the same new vertex.
+//! Near always, far where the camera has one. The polygon bounds the triangle in the picture and in depth, and is its
+//! outline; which samples it covers is decided without it (`sides`), and attributes, flat colours and facing come from the
+//! whole triangle.
 
-use super::view::{GUARD_UNITS, Vertex, View};
+use super::view::{Vertex, View};
 
-/// A triangle gains at most one vertex a plane: 3 + 6.
-const CAPACITY: usize = 9;
+/// A triangle gains at most one vertex a plane.
+const CAPACITY: usize = 5;
 
-/// A convex polygon of at most nine vertices.
+/// A convex polygon of at most five vertices.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Polygon {
     vertices: [Vertex; CAPACITY],
@@ -70,21 +70,14 @@ fn between(a: &Vertex, b: &Vertex, d_a: f64, d_b: f64) -> Vertex {
     }
 }
 
-/// The part of a triangle that may be divided and snapped; fewer than three vertices = nothing.
+/// The part of a triangle between near and far; fewer than three vertices = nothing.
 pub(super) fn clip(view: &View, corners: [Vertex; 3]) -> Polygon {
-    let mut polygon = Polygon::triangle(corners).cut(|v| view.inside_near(v));
+    let mut polygon = Polygon::triangle(corners);
+    if corners.iter().any(|v| view.inside_near(v) < 0.0) {
+        polygon = polygon.cut(|v| view.inside_near(v));
+    }
     if corners.iter().any(|v| view.inside_far(v) < 0.0) {
         polygon = polygon.cut(|v| view.inside_far(v));
-    }
-    if polygon.vertices().iter().any(|v| view.snap(v).is_none()) {
-        // Half the guard, so that the picture's own offset and rounding stay inside the whole.
-        let limit = GUARD_UNITS / 2.0 / view.unit() as f64;
-        let [sx, sy] = view.scale;
-        polygon = polygon
-            .cut(|v| limit * v.w - sx * v.x)
-            .cut(|v| limit * v.w + sx * v.x)
-            .cut(|v| limit * v.w - sy * v.y)
-            .cut(|v| limit * v.w + sy * v.y);
     }
     polygon
 }

@@ -232,10 +232,10 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
             let samples = self.samples(places, &area, sample);
             workspace.visibility.clear();
             for chunk in plan.chunks.iter().filter(|c| c.meets_tile(index)) {
-                for (record, v) in chunk.of_tile(index) {
+                for triangle in chunk.of_tile(index) {
                     let (bits, counters) = (plan.view.bits, &mut counters);
                     let visibility = &mut workspace.visibility;
-                    visibility.draw(&area, &samples, bits, record, v, counters);
+                    visibility.draw(&area, &samples, bits, triangle, counters);
                 }
             }
             let pass = Pass {

@@ -4,7 +4,7 @@
 //! depth, primitive and object numbers, layers if asked for; and [`Counters`]. Pixel frame: y down, (0, 0) top-left.
 //!
 //! Stages: project and snap vertices (`view`); set up, clip, cull and bin triangles (`setup`, `clip`); then tile by tile, in
-//! parallel, for each sample: visibility from integer edge functions (`edges`, `tile`), weights at the unsnapped place
+//! parallel, for each sample: visibility from integer edge functions or exact sides (`edges`, `sides`, `tile`), weights at the unsnapped place
 //! (`attribute`), lighting of what is seen (`shade`). [`Plan::new`] does the first two, which no option changes;
 //! [`Plan::draw`] the rest. GL 2.1 sections 2.11, 2.12, 2.14, 3.5, 3.9, 4.1.6.
 //!
@@ -26,6 +26,7 @@ mod lit;
 mod outline;
 mod setup;
 mod shade;
+mod sides;
 mod slots;
 mod tile;
 mod view;
@@ -80,7 +81,7 @@ pub struct Counters {
     pub triangles_culled: u64,
     /// Edge-on, or without area once snapped.
     pub triangles_degenerate: u64,
-    /// Drawn, and cut by near, far or the guard band.
+    /// Drawn, and cut by near or far.
     pub triangles_clipped: u64,
     /// Handed to at least one tile.
     pub triangles_drawn: u64,
@@ -238,8 +239,8 @@ impl<'a, R: Real> Plan<'a, R> {
                 for (i, corners) in part.iter().enumerate() {
                     let primitive = (index * length + i) as u32;
                     let places = corners.map(|v| snapped[v as usize]);
-                    if places.contains(&NEEDS_CLIPPING) {
-                        builder.clipped(primitive, self.corners(primitive));
+                    if places.contains(&BY_SIDES) {
+                        builder.general(primitive, self.corners(primitive));
                     } else {
                         builder.inside(primitive, places, || self.corners(primitive));
                     }
@@ -249,18 +250,16 @@ impl<'a, R: Real> Plan<'a, R> {
             .collect()
     }
 
-    /// Snapped pixel coordinates of the vertices, or [`NEEDS_CLIPPING`].
+    /// Snapped pixel coordinates of the vertices, or [`BY_SIDES`].
     fn snap_vertices(&self) -> Vec<[i32; 2]> {
         let [x, y, z] = &self.assembly.position_eye;
         (x, y, z)
             .into_par_iter()
             .map(|(x, y, z)| {
                 let v = self.view.vertex([x, y, z].map(|x| x.to_f64()));
-                let inside = self.view.inside_near(&v) >= 0.0 && self.view.inside_far(&v) >= 0.0;
-                let small = |p: &[i64; 2]| p.iter().all(|c| c.abs() <= edges::SMALL_UNITS);
-                match self.view.snap(&v).filter(small) {
-                    Some(place) if inside => place.map(|c| c as i32),
-                    _ => NEEDS_CLIPPING,
+                match self.view.snap(&v).and_then(edges::small) {
+                    Some(place) if self.view.holds(&v) => place,
+                    _ => BY_SIDES,
                 }
             })
             .collect()
@@ -296,8 +295,8 @@ impl<'a, R: Real> Plan<'a, R> {
     }
 }
 
-/// A vertex beyond near, far or 2^29 units: its triangles take the long way.
-const NEEDS_CLIPPING: [i32; 2] = [i32::MIN; 2];
+/// A vertex beyond near, far or 2^29 units, or without a snap grid: its triangles take the long way.
+const BY_SIDES: [i32; 2] = [i32::MIN; 2];
 
 fn check_image(scene: &Scene) -> Result<(), Error> {
     let image = &scene.image;

@@ -1,7 +1,7 @@
 //! Triangle setup: facing, culling, clipping, snapping, the depth plane; and binning to screen tiles in primitive order.
 //!
-//! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices. A triangle whose exact or
-//! snapped area is 0 draws nothing. Triangles are set up in parallel in chunks of consecutive primitives; each chunk lists,
+//! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices where a triangle has them
+//! (`edges`), else on its sides (`sides`). A triangle whose exact or snapped area is 0 draws nothing. Triangles are set up in parallel in chunks of consecutive primitives; each chunk lists,
 //! for each tile, its records in order, so walking the chunks in order gives primitive order whatever the thread count.
 //!
 //! Depth is a key, larger = closer, that is affine in the picture: 1 / distance (perspective: reversed depth with an
@@ -10,7 +10,8 @@
 
 use super::Counters;
 use super::clip::{Polygon, clip};
-use super::edges::{Edges, SAMPLE_BITS, SMALL_UNITS, double_area};
+use super::edges::{Edges, SAMPLE_BITS};
+use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
 use crate::math::float::dot;
 use crate::scene::Cull;
@@ -78,9 +79,9 @@ pub(super) struct SampleBox {
 /// A triangle ready to be filled: 64 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Record {
-    /// Snapped x, or `HUGE` in the first place.
+    /// Snapped x; or `BY_SIDES`, and the first and last column of the picture that it may meet.
     x: [i32; 3],
-    /// Snapped y, or an index into `Chunk::huge` in the first place.
+    /// Snapped y; or an index into `Chunk::sides`, and the first and last row.
     y: [i32; 3],
     /// k0, kx, ky of the depth key.
     pub(super) key: [f64; 3],
@@ -90,13 +91,29 @@ pub(super) struct Record {
     pub(super) primitive: u32,
 }
 
-const HUGE: i32 = i32::MIN;
+const BY_SIDES: i32 = i32::MIN;
+
+/// How the coverage of a triangle is decided.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Form<'a> {
+    /// By the integers of its snapped vertices.
+    Snapped([[i64; 2]; 3]),
+    /// By its sides.
+    Sides {
+        /// The sides.
+        sides: &'a Sides,
+        /// First column and row of the picture that it may meet.
+        first: [i32; 2],
+        /// Last column and row.
+        last: [i32; 2],
+    },
+}
 
 /// Consecutive primitives, set up and binned.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
     records: Vec<Record>,
-    huge: Vec<[[i64; 2]; 3]>,
+    sides: Vec<Sides>,
     /// Per tile, where its part of `items` starts; one more at the end.
     offsets: Vec<u32>,
     /// Record numbers, tile by tile, each tile in primitive order.
@@ -111,28 +128,31 @@ impl Chunk {
         self.offsets[tile] < self.offsets[tile + 1]
     }
 
-    /// The records of a tile in primitive order, with their snapped vertices.
-    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Record, [[i64; 2]; 3])> {
+    /// The records of a tile in primitive order, with what decides their coverage.
+    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Record, Form<'_>)> {
         let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
         self.items[range].iter().map(|&i| {
             let record = &self.records[i as usize];
-            (record, self.vertices(record))
+            (record, self.form(record))
         })
     }
 
     #[inline]
-    fn vertices(&self, record: &Record) -> [[i64; 2]; 3] {
-        if record.x[0] == HUGE {
-            self.huge[record.y[0] as usize]
-        } else {
-            // Written out: closures given to array::map are not inlined here.
-            let ([x0, x1, x2], [y0, y1, y2]) = (record.x, record.y);
-            [
-                [i64::from(x0), i64::from(y0)],
-                [i64::from(x1), i64::from(y1)],
-                [i64::from(x2), i64::from(y2)],
-            ]
+    fn form(&self, record: &Record) -> Form<'_> {
+        // Written out: closures given to array::map are not inlined here.
+        let ([x0, x1, x2], [y0, y1, y2]) = (record.x, record.y);
+        if x0 == BY_SIDES {
+            return Form::Sides {
+                sides: &self.sides[y0 as usize],
+                first: [x1, y1],
+                last: [x2, y2],
+            };
         }
+        Form::Snapped([
+            [i64::from(x0), i64::from(y0)],
+            [i64::from(x1), i64::from(y1)],
+            [i64::from(x2), i64::from(y2)],
+        ])
     }
 }
 
@@ -168,7 +188,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a triangle that needs no clipping: its vertices lie within near and far, and `snapped` within
-    /// [`SMALL_UNITS`]. `corners` gives the vertices themselves and is asked only for what survives.
+    /// 2^29 units. `corners` gives the vertices themselves and is asked only for what survives.
     pub(super) fn inside(
         &mut self,
         primitive: u32,
@@ -200,12 +220,27 @@ impl<'a> Builder<'a> {
         }
         let corners = corners();
         let (key, range) = self.depth(primitive, &corners, &corners);
-        self.push(primitive, v, area < 0, key, range, tiles);
+        let (snapped, v) = if area < 0 {
+            ([snapped[0], snapped[2], snapped[1]], [v[0], v[2], v[1]])
+        } else {
+            (snapped, v)
+        };
+        let record = Record {
+            x: [snapped[0][0], snapped[1][0], snapped[2][0]],
+            y: [snapped[0][1], snapped[1][1], snapped[2][1]],
+            key,
+            range,
+            primitive,
+        };
+        let (grid, bits, samples) = (self.grid, self.view.bits, self.samples);
+        self.push(record, tiles, |tile| {
+            meets(v, bits, &grid.tile(tile), samples)
+        });
         self.chunk.counters.triangles_drawn += 1;
     }
 
-    /// Adds any triangle: clips it, and draws the polygon that is left as a fan.
-    pub(super) fn clipped(&mut self, primitive: u32, corners: [Vertex; 3]) {
+    /// Adds any triangle: its sides decide its coverage.
+    pub(super) fn general(&mut self, primitive: u32, corners: [Vertex; 3]) {
         self.chunk.counters.triangles_in += 1;
         let polygon = if corners.iter().all(Vertex::is_finite) {
             clip(self.view, corners)
@@ -213,36 +248,80 @@ impl<'a> Builder<'a> {
             Polygon::default()
         };
         let vertices = polygon.vertices();
-        let snapped: Option<Vec<[i64; 2]>> = vertices.iter().map(|v| self.view.snap(v)).collect();
-        let Some(snapped) = snapped.filter(|v| v.len() >= 3) else {
+        let Some([first, last]) = self.pixel_box(&corners, vertices) else {
             self.chunk.counters.triangles_outside += 1;
             return;
         };
-        let fans = || (1..snapped.len() - 1).map(|i| [snapped[0], snapped[i], snapped[i + 1]]);
-        let area: i128 = fans().map(double_area).sum();
         let facing = orientation(corners.map(|v| v.homogeneous()));
-        if !self.keeps(facing, area == 0) {
+        let sides = Sides::new(self.view, &corners, facing);
+        if !self.keeps(facing, sides.is_none()) {
             return;
         }
+        let Some(sides) = sides else { return };
         let (key, range) = self.depth(primitive, &corners, vertices);
-        let mut drawn = false;
-        for v in fans() {
-            // Snapping may fold a sliver of the fan over; what it would take back is not drawn.
-            if double_area(v).signum() != area.signum() {
-                continue;
-            }
-            if let Some(tiles) = self.tiles(&v) {
-                self.push(primitive, v, area < 0, key, range, tiles);
-                drawn = true;
-            }
-        }
+        let record = Record {
+            x: [BY_SIDES, first[0] as i32, last[0] as i32],
+            y: [
+                self.chunk.sides.len() as i32,
+                first[1] as i32,
+                last[1] as i32,
+            ],
+            key,
+            range,
+            primitive,
+        };
+        self.chunk.sides.push(sides);
+        let tiles = [0, 1].map(|axis| [first[axis] / TILE, last[axis] / TILE]);
+        self.push(record, tiles, |_| true);
         let counters = &mut self.chunk.counters;
-        if drawn {
-            counters.triangles_drawn += 1;
-            counters.triangles_clipped += 1;
-        } else {
-            counters.triangles_outside += 1;
+        counters.triangles_drawn += 1;
+        let outside = |v: &Vertex| self.view.inside_near(v) < 0.0 || self.view.inside_far(v) < 0.0;
+        counters.triangles_clipped += u64::from(corners.iter().any(outside));
+    }
+
+    /// First and last column and row of the picture's pixels that a polygon may meet; `None` = none. `corners` are those
+    /// of the triangle that it was cut from.
+    fn pixel_box(&self, corners: &[Vertex; 3], polygon: &[Vertex]) -> Option<[[usize; 2]; 2]> {
+        if polygon.len() < 3 {
+            return None;
         }
+        let least_w = polygon
+            .iter()
+            .fold(f64::INFINITY, |least, v| least.min(v.w));
+        let (mut first, mut last) = ([0; 2], [0; 2]);
+        for axis in 0..2 {
+            let at = |v: &Vertex| self.view.pixel(v)[axis];
+            // A cut vertex carries the rounding of the corners that it lies between; snapping moves by less than a pixel.
+            let largest = corners
+                .iter()
+                .fold(0.0f64, |most, v| most.max(v.homogeneous()[axis].abs()));
+            let rounding = largest * self.view.scale[axis].abs() / least_w * (16.0 * f64::EPSILON);
+            let places = polygon.iter().map(at);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                // What has no place may be anywhere.
+                let (l, h) = if x.is_nan() {
+                    (f64::NEG_INFINITY, f64::INFINITY)
+                } else {
+                    (x, x)
+                };
+                (low.min(l), high.max(h))
+            });
+            let margin = if rounding.is_nan() {
+                f64::INFINITY
+            } else {
+                1.0 + rounding
+            };
+            // In the picture's own pixels; conversion to integers saturates, NaN (infinity less infinity) is 0.
+            let origin = self.grid.origin[axis] as f64;
+            let size = self.grid.size[axis] as f64;
+            let low = (low - margin - origin).max(0.0);
+            let high = (high + margin - origin).min(size - 1.0);
+            if low > high {
+                return None;
+            }
+            (first[axis], last[axis]) = (low as usize, high as usize);
+        }
+        Some([first, last])
     }
 
     /// Sorts the entries by tile, keeping primitive order within a tile.
@@ -336,54 +415,31 @@ impl<'a> Builder<'a> {
 
     fn push(
         &mut self,
-        primitive: u32,
-        mut v: [[i64; 2]; 3],
-        flip: bool,
-        key: [f64; 3],
-        range: [f32; 2],
-        tiles: [[usize; 2]; 2],
+        record: Record,
+        [[left, right], [top, bottom]]: [[usize; 2]; 2],
+        meets: impl Fn(usize) -> bool,
     ) {
-        if flip {
-            v.swap(1, 2);
-        }
-        let small = v.iter().flatten().all(|c| c.abs() <= SMALL_UNITS);
-        let mut record = Record {
-            x: [HUGE; 3],
-            y: [0; 3],
-            key,
-            range,
-            primitive,
-        };
-        if small {
-            record.x = [v[0][0] as i32, v[1][0] as i32, v[2][0] as i32];
-            record.y = [v[0][1] as i32, v[1][1] as i32, v[2][1] as i32];
-        } else {
-            record.y[0] = self.chunk.huge.len() as i32;
-            self.chunk.huge.push(v);
-        }
         let number = self.chunk.records.len() as u32;
         self.chunk.records.push(record);
-        let [[left, right], [top, bottom]] = tiles;
         let several = (right - left + 1) * (bottom - top + 1) > 2;
         for row in top..=bottom {
             for column in left..=right {
                 let tile = row * self.grid.columns() + column;
-                if !several || self.meets(v, tile) {
+                if !several || meets(tile) {
                     self.entries.push((tile as u32, number));
                 }
             }
         }
     }
+}
 
-    /// Whether some sample of a tile may be inside all edges of a triangle.
-    fn meets(&self, v: [[i64; 2]; 3], tile: usize) -> bool {
-        let area = self.grid.tile(tile);
-        let SampleBox { min, max } = self.samples;
-        let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
-        let extent = [0, 1]
-            .map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
-        !Edges::new(v, self.view.bits, place).misses(extent)
-    }
+/// Whether some sample of a tile may be inside all edges of a triangle of snapped vertices.
+fn meets(v: [[i64; 2]; 3], bits: u32, area: &TileArea, samples: SampleBox) -> bool {
+    let SampleBox { min, max } = samples;
+    let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
+    let extent =
+        [0, 1].map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
+    !Edges::new(v, bits, place).misses(extent)
 }
 
 /// First and last pixel of one axis that have a sample between the least and the greatest of three places in units, for

@@ -6,12 +6,12 @@
 //! GL's `z + w >= 0` and `z <= w` (GL 2.1 section 2.12) read `near <= distance <= far`. So the near test, the facing and
 //! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts.
 
+use super::edges::SAMPLE_BITS;
 use crate::math::{DVec2, DVec4};
 use crate::scene::{Camera, FrontFace, Projection, Snap};
 
-/// Guard band in snapped units: beyond it x and y are clipped, so that the integers of `edges` cannot overflow.
-/// 2^36 px at 8 sub-pixel bits, 2^32 px at 12.
-pub(super) const GUARD_UNITS: f64 = (1u64 << 44) as f64;
+/// Largest snapped coordinate, in units: 2^36 px at 8 sub-pixel bits, 2^32 px at 12. Vertices beyond stay as they are.
+const GUARD_UNITS: f64 = (1u64 << 44) as f64;
 
 /// A vertex before the division: the picture's place is (x / w, y / w), y up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,8 +57,10 @@ pub(super) struct View {
     pub(super) scale: [f64; 2],
     /// Where x / w = 0, y / w = 0 lies in the pixel frame.
     pub(super) center: [f64; 2],
-    /// Sub-pixel bits of the snap.
+    /// Sub-pixel bits of the snap; those of samples where there is none.
     pub(super) bits: u32,
+    /// Vertices snap.
+    pub(super) snaps: bool,
     /// Size of the picture in pixels.
     size: [u32; 2],
     lens: Lens,
@@ -83,7 +85,8 @@ impl View {
         Self {
             scale: [width / 2.0 / half.x, height / 2.0 / half.y],
             center: [width / 2.0, height / 2.0],
-            bits: snap.bits(),
+            bits: snap.bits().unwrap_or(SAMPLE_BITS),
+            snaps: snap.bits().is_some(),
             size,
             lens: Lens::Camera(*camera),
             perspective: matches!(camera.projection, Projection::Perspective { .. }),
@@ -102,7 +105,8 @@ impl View {
         Self {
             scale: [1.0, -1.0],
             center: [0.0; 2],
-            bits: snap.bits(),
+            bits: snap.bits().unwrap_or(SAMPLE_BITS),
+            snaps: snap.bits().is_some(),
             size: [0; 2],
             lens: Lens::Pixels,
             perspective: true,
@@ -189,6 +193,11 @@ impl View {
         }
     }
 
+    /// Whether a vertex lies between near and far.
+    pub(super) fn holds(&self, v: &Vertex) -> bool {
+        self.inside_near(v) >= 0.0 && self.inside_far(v) >= 0.0
+    }
+
     /// How far before the near plane a vertex lies, in some positive unit; negative = clipped (GL 2.1 section 2.12).
     pub(super) fn inside_near(&self, v: &Vertex) -> f64 {
         v.distance - self.near
@@ -211,13 +220,14 @@ impl View {
         ]
     }
 
-    /// Pixel coordinates snapped to the sub-pixel grid, half to even; `None` beyond the guard band or where w <= 0.
+    /// Pixel coordinates snapped to the sub-pixel grid, half to even; `None` without a grid, beyond +-2^44 units, or where
+    /// w <= 0.
     pub(super) fn snap(&self, v: &Vertex) -> Option<[i64; 2]> {
         let unit = self.unit() as f64;
         let [x, y] = self.pixel(v).map(|p| p * unit);
         let limit = GUARD_UNITS;
         // Comparisons with NaN are false, so what is not finite is refused, too.
-        (v.w > 0.0 && x.abs() <= limit && y.abs() <= limit)
+        (self.snaps && v.w > 0.0 && x.abs() <= limit && y.abs() <= limit)
             .then(|| [round_half_even(x), round_half_even(y)])
     }
 

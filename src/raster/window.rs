@@ -95,10 +95,10 @@ impl<R: Real> Plan<'_, R> {
             offset: &offset,
             ray: &ray,
         };
-        for (record, v) in self.chunks.iter().flat_map(|chunk| chunk.of_tile(index)) {
+        for triangle in self.chunks.iter().flat_map(|chunk| chunk.of_tile(index)) {
             visibility.clear();
             let counters = &mut Counters::default();
-            visibility.draw(&area, &samples, self.view.bits, record, v, counters);
+            visibility.draw(&area, &samples, self.view.bits, triangle, counters);
             for (count, primitive) in counts.iter_mut().zip(&visibility.primitive) {
                 *count += u32::from(*primitive != NONE);
             }

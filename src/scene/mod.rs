@@ -95,15 +95,31 @@ pub enum Snap {
     Bits8,
     /// 1/4096 pixel.
     Bits12,
+    /// None: coverage is decided on the vertices as they are.
+    Exact,
 }
 
 impl Snap {
-    /// Sub-pixel bits.
-    pub fn bits(self) -> u32 {
+    /// The one table of names: command line, scene file and reports.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("8", Self::Bits8),
+        ("12", Self::Bits12),
+        ("exact", Self::Exact),
+    ];
+
+    /// Sub-pixel bits; `None` = no grid.
+    pub fn bits(self) -> Option<u32> {
         match self {
-            Self::Bits8 => 8,
-            Self::Bits12 => 12,
+            Self::Bits8 => Some(8),
+            Self::Bits12 => Some(12),
+            Self::Exact => None,
         }
+    }
+
+    /// Its name in the table.
+    pub fn name(self) -> &'static str {
+        let found = Self::NAMES.iter().find(|(_, snap)| *snap == self);
+        found.map_or("", |(name, _)| name)
     }
 }
 

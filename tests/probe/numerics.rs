@@ -124,6 +124,7 @@ pub(crate) fn raster(case: Value, snap: Snap) -> Result<Value, Failure> {
     let snap = match snap {
         Snap::Bits8 => json!(8),
         Snap::Bits12 => json!(12),
+        Snap::Exact => json!("exact"),
     };
     Ok(json!({ "snap": snap, "tris": tris }))
 }

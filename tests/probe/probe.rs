@@ -16,9 +16,9 @@ use rastray::scene::Snap;
 /// Anything that stops the program, as one sentence.
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64 [--snap 8|12]
+const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64 [--snap 8|12|exact]
        probe gl-lights --precision f32|f64 < light-cases.jsonl
-       probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12]
+       probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12|exact]
        probe lighting < cases.jsonl";
 
 fn main() -> ExitCode {
@@ -73,7 +73,8 @@ fn snap(arguments: &[String]) -> Result<Snap, Failure> {
     match option(arguments, "--snap") {
         None | Some("8") => Ok(Snap::Bits8),
         Some("12") => Ok(Snap::Bits12),
-        Some(other) => Err(format!("--snap: expected 8 or 12, found {other:?}").into()),
+        Some("exact") => Ok(Snap::Exact),
+        Some(other) => Err(format!("--snap: expected 8, 12 or exact, found {other:?}").into()),
     }
 }
 
