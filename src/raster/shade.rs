@@ -218,7 +218,7 @@ impl<R: Real> Workspace<R> {
         let (assembly, [a, b, c]) = (plan.assembly, seen.corners);
         let place = |v| assembly.vertex_eye(v);
         let position = mix3(weights, [place(a), place(b), place(c)]);
-        let normal = |v| assembly.vertex_normal(v);
+        let normal = |v| assembly.vertex_normal_weighted(v);
         let [p, q, r] = [normal(a), normal(b), normal(c)];
         let raw = [
             mix(weights, [p[0], q[0], r[0]]),

@@ -50,7 +50,7 @@ pub(super) struct Sides {
 pub(super) struct Sample {
     /// Pixel frame, y down.
     pub(super) pixel: [f64; 2],
-    /// Ray (X, Y), y up.
+    /// Ray (X, Y).
     pub(super) ray: [f64; 2],
 }
 
@@ -102,8 +102,10 @@ impl Sides {
     pub(super) fn new(view: &View, corners: &[Vertex; 3], facing: i32) -> Option<Self> {
         let places = [0, 1, 2].map(|i| Place::new(view, &corners[i]));
         let turn = match [0, 1, 2].map(|i| places[i].snapped) {
-            // Pixels count downwards: a positive area is clockwise.
-            [Some(a), Some(b), Some(c)] => -double_area([a, b, c]).signum() as i32,
+            [Some(a), Some(b), Some(c)] => {
+                let area = double_area([a, b, c]).signum() as i32;
+                if view.y_up() { -area } else { area }
+            }
             _ => orientation([0, 1, 2].map(|i| places[i].ray)),
         };
         if turn == 0 {
@@ -111,7 +113,7 @@ impl Sides {
         }
         let side = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
             let (from, to) = if turn > 0 { (i, j) } else { (j, i) };
-            Side::new(&places[from], &places[to])
+            Side::new(&places[from], &places[to], view.y_up())
         });
         let [near, far] = cuts(view, corners, facing);
         Some(Self { side, near, far })
@@ -146,13 +148,13 @@ impl Sides {
 }
 
 impl Side {
-    fn new(from: &Place, to: &Place) -> Self {
+    fn new(from: &Place, to: &Place, y_up: bool) -> Self {
         let in_pixels = from.snapped.is_some() && to.snapped.is_some();
-        // The pixel frame is the ray frame turned over: there the ends change places.
-        let (from, to) = if in_pixels {
-            (to.pixel, from.pixel)
-        } else {
-            (from.ray, to.ray)
+        // Where rays count y upwards, the pixel frame is theirs turned over, and the ends change places.
+        let (from, to) = match (in_pixels, y_up) {
+            (true, true) => (to.pixel, from.pixel),
+            (true, false) => (from.pixel, to.pixel),
+            (false, _) => (from.ray, to.ray),
         };
         let (mut normal, mut doubt) = ([0.0; 3], [0.0; 3]);
         for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -160,9 +162,10 @@ impl Side {
             normal[i] = p - q;
             doubt[i] = DOUBT * (p.abs() + q.abs());
         }
-        // Inside lies to the right of a left side, and below a top side: downwards is +y in pixels, -y in rays.
+        // Inside lies to the right of a left side, and below a top side.
         let rightwards = orientation([from, to, [1.0, 0.0, 0.0]]);
-        let downwards = orientation([from, to, [0.0, if in_pixels { 1.0 } else { -1.0 }, 0.0]]);
+        let down = if y_up && !in_pixels { -1.0 } else { 1.0 };
+        let downwards = orientation([from, to, [0.0, down, 0.0]]);
         Self {
             from,
             to,

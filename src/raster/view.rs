@@ -193,6 +193,11 @@ impl View {
         }
     }
 
+    /// Rays count y upwards, against the pixel frame.
+    pub(super) fn y_up(&self) -> bool {
+        self.scale[1] > 0.0
+    }
+
     /// Whether a vertex lies between near and far.
     pub(super) fn holds(&self, v: &Vertex) -> bool {
         self.inside_near(v) >= 0.0 && self.inside_far(v) >= 0.0

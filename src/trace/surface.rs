@@ -28,7 +28,7 @@ pub struct Surfaces<'a, R> {
     bvh: Bvh,
     /// Item in each slot: a triangle's number, or [`SOLID`] + index.
     items: Vec<u32>,
-    /// World corners of the triangle in each slot (zeros for a solid), so that leaves read memory in order.
+    /// Corners less the eye of the triangle in each slot (zeros for a solid), so that leaves read memory in order.
     corners: Vec<[[R; 3]; 3]>,
     rotation: DMat3,
     eye: DVec3,
@@ -202,7 +202,8 @@ impl<'a, R: Real> Surfaces<'a, R> {
             self.solid(item).hits(item, ray, shear, &mut visit);
             return;
         }
-        let corners = self.corners[slot].map(|p| p.map(Real::to_f64));
+        let [a, b, c] = self.corners[slot];
+        let corners = [self.world(a), self.world(b), self.world(c)];
         if let Some(p) = shear.triangle(corners) {
             visit(Hit {
                 t: p.t,
@@ -224,7 +225,14 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return [[R::ZERO; 3]; 3];
         }
         let triangle = self.assembly.triangles[item as usize];
-        triangle.map(|v| self.assembly.position_world[v as usize])
+        triangle.map(|v| self.assembly.position_from_eye[v as usize])
+    }
+
+    /// A place less the eye, in world space: the eye is added in f64, equally for every triangle that shares the vertex.
+    #[inline]
+    fn world(&self, [x, y, z]: [R; 3]) -> [f64; 3] {
+        let eye = self.eye;
+        [x.to_f64() + eye.x, y.to_f64() + eye.y, z.to_f64() + eye.z]
     }
 
     fn bounds(&self, item: u32) -> Bounds {
@@ -232,7 +240,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return self.solid(item).bounds();
         }
         let corners = self.corners_of(item);
-        Bounds::of(corners.map(|p| DVec3::from_array(p.map(Real::to_f64))))
+        Bounds::of(corners.map(|p| DVec3::from_array(self.world(p))))
     }
 
     fn front_is_clockwise(&self) -> bool {
@@ -272,9 +280,9 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let triangle = a.triangles[hit.item as usize];
         let world = self
             .corners_of(hit.item)
-            .map(|p| DVec3::from_array(p.map(Real::to_f64)));
+            .map(|p| DVec3::from_array(self.world(p)));
         let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
-        let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
+        let normals = triangle.map(|v| a.vertex_normal_weighted(v));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
         // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
         let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {
