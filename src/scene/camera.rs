@@ -128,6 +128,17 @@ impl Camera {
         }
     }
 
+    /// Whether the picture is turned over, as by a mirror: windings change with it. Only a matrix does that.
+    pub fn mirrors(&self) -> bool {
+        let Projection::Matrix { clip_from_eye } = self.projection else {
+            return false;
+        };
+        // In the picture a triangle of normal n winds as the sign of n . (p x q) says, p and q the planes of `matrix_ray`;
+        // along the ray d as that of -n . d. They agree where p x q points against d, whose z is -1.
+        let (p, q) = (clip_from_eye.row(0), clip_from_eye.row(1));
+        p.x * q.y - p.y * q.x < 0.0
+    }
+
     /// The parameters t between which a point of a primary ray lies between the near and the far plane; the first is the
     /// larger one where no point does.
     pub fn ray_range(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
@@ -216,6 +227,14 @@ mod tests {
                 let [near, far] = general.ray_range(p, e);
                 assert!((near - 0.5).abs() < 1e-14 && (far - 40.0).abs() < 1e-12);
             }
+            let mirror = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
+            let over = Camera {
+                projection: Projection::Matrix {
+                    clip_from_eye: mirror * clip_from_eye,
+                },
+                ..camera
+            };
+            assert!(!camera.mirrors() && !general.mirrors() && over.mirrors());
         }
     }
 

@@ -243,8 +243,9 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Bounds::of(corners.map(|p| DVec3::from_array(self.world(p))))
     }
 
+    /// Front faces wind clockwise as a ray sees them: by the scene's rule, turned over by a projection that mirrors.
     fn front_is_clockwise(&self) -> bool {
-        self.scene.raster.front_face == scene::FrontFace::Cw
+        (self.scene.raster.front_face == scene::FrontFace::Cw) != self.scene.camera.mirrors()
     }
 
     fn solid_material(&self, solid: &Solid, tile: u32) -> u32 {
