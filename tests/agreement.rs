@@ -273,9 +273,9 @@ impl Random {
 
     fn scene(&mut self) -> Scene {
         let mut scene = Scene::default();
-        (scene.image.width, scene.image.height) = (40, 30);
+        (scene.image.width, scene.image.height) = (48, 36);
         scene.image.background = self.color();
-        scene.camera = self.camera(40.0 / 30.0);
+        scene.camera = self.camera(48.0 / 36.0);
         let model = &mut scene.light_model;
         model.ambient = self.color();
         model.local_viewer = self.flip();
@@ -334,6 +334,7 @@ fn light_weight(space: LightSpace) -> f64 {
 fn the_renderers_agree_on_random_scenes() {
     let mut random = Random(20_061);
     let (mut judged, mut apart, mut worst) = (0, 0, [0.0f64; 2]);
+    let mut failed = Vec::new();
     for number in 0..500 {
         let mut scene = random.scene();
         if number % 5 == 4 {
@@ -355,16 +356,19 @@ fn the_renderers_agree_on_random_scenes() {
         } else {
             agreement::<f64>(&scene, level)
         };
-        let state = format!("scene {number}, single {single}: {found:?}");
-        assert!(found.interior_max <= 1e-5, "{state}\n{scene:?}");
-        assert_eq!(found.coverage.raster_only, 0, "{state}\n{scene:?}");
-        assert_eq!(found.coverage.trace_only, 0, "{state}\n{scene:?}");
+        let apart_only = found.coverage.raster_only + found.coverage.trace_only;
+        if found.interior_max > 1e-5 || apart_only > 0 {
+            let precision = if single { "f32" } else { "f64" };
+            println!("scene {number} in {precision}: {found:?}\n{scene:?}");
+            failed.push(number);
+        }
         let kind = usize::from(!single);
         worst[kind] = worst[kind].max(found.interior_max);
         judged += found.coverage.both;
         apart += found.edge_pixels;
     }
     println!("{judged} pixels judged, {apart} apart, worst f32 and f64 {worst:?}");
+    assert!(failed.is_empty(), "scenes {failed:?} differ");
     assert!(judged > 100_000, "{judged} pixels judged");
     assert!(apart * 20 < judged, "{apart} set apart of {judged}");
 }
@@ -498,6 +502,7 @@ fn no_poisoned_number_makes_a_panic_or_nan() {
         f64::from(f32::MAX),
         -1e300,
     ];
+    let mut failed = Vec::new();
     let mut random = Random(5);
     let mut reference = on_a_grid();
     (reference.image.width, reference.image.height) = (10, 8);
@@ -509,20 +514,33 @@ fn no_poisoned_number_makes_a_panic_or_nan() {
         for x in poison {
             let mut scene = reference.clone();
             *place(&mut scene) = x;
-            poisoned::<f32>(&scene, name, x);
-            poisoned::<f64>(&scene, name, x);
+            for (precision, check) in [
+                ("f32", poisoned::<f32> as fn(&Scene)),
+                ("f64", poisoned::<f64>),
+            ] {
+                if std::panic::catch_unwind(|| check(&scene)).is_err() {
+                    failed.push(format!("{name} = {x:e} in {precision}"));
+                }
+            }
         }
     }
+    assert!(failed.is_empty(), "{failed:#?}");
 }
 
-fn poisoned<R: Real>(scene: &Scene, name: &str, x: f64) {
+/// Draws the scene in every way; panics where a colour is NaN, as debug builds of the renderers do themselves.
+fn poisoned<R: Real>(scene: &Scene) {
     let isa = Isa::detect();
     let Ok(assembly) = Assembly::<R>::new(scene, None) else {
         return;
     };
     let check = |frame: &Frame<R>, what: &str| {
-        let nan = frame.color.data.iter().flatten().any(|c| c.is_nan());
-        assert!(!nan, "{name} = {x}, {what}, {}", R::NAME);
+        let nan = frame
+            .color
+            .data
+            .iter()
+            .flatten()
+            .any(|c| c.to_f64().is_nan());
+        assert!(!nan, "{what}");
     };
     let plan = raster::Plan::new(scene, &assembly, Model::Required);
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {

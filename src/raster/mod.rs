@@ -11,9 +11,11 @@
 //! Every sample is resolved visibility-first and shaded once: all surfaces are opaque. Depth ties go to the lowest
 //! primitive number. Bytes do not depend on the number of threads: tiles do not meet, and sums over samples are in order.
 //!
-//! Measured (2026-11): all coverage, near-plane and depth cases of the numerics guide at 8 and 12 bits with 0 wrong pixels;
-//! interpolation within 4.3e-16 of the largest attribute, 1.8e-15 of w. 871,414 flat triangles at 1920x1080 in f32: at most
-//! 0.41 GB in the whole process, scene and assembly included.
+//! Measured (2026-11): all coverage, near-plane and depth cases of the numerics guide at 8 bits, 12 bits and without a snap
+//! grid with 0 wrong pixels; interpolation within 4.3e-16 of the largest attribute, 1.8e-15 of w. 22 pictures of Mesa's
+//! llvmpipe: every pixel shows the same triangle and the same number of covering ones; softpipe: at most 1 pixel differs in
+//! coverage away from slivers and ties; colours within 1.1e-5 (slivers 2.9e-4), depth within 2.3e-6. 871,414 flat triangles at
+//! 1920x1080 in f32: at most 0.41 GB in the whole process, scene and assembly included.
 //!
 //! Left out: points, lines, user clip planes, polygon offset, fog, blending, textures.
 

@@ -270,7 +270,7 @@ impl<R: Real> Workspace<R> {
     /// Fills the tile with the background.
     fn show_background(&mut self, pass: &Pass<'_, '_, R>) {
         let mode = pass.mode;
-        let background = pass.plan.scene.image.background.map(R::from_f64);
+        let background = pass.plan.scene.background().map(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {

@@ -303,6 +303,13 @@ impl Scene {
         self.lights.iter().filter(|light| light.enabled)
     }
 
+    /// The colour where nothing is hit; a component that is not a number shows as 0.
+    pub fn background(&self) -> Rgb {
+        self.image
+            .background
+            .map(|x| if x.is_nan() { 0.0 } else { x })
+    }
+
     /// Names of the enabled lights.
     pub fn light_names(&self) -> Vec<String> {
         self.enabled_lights()

@@ -257,8 +257,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let background = self
             .plan
             .scene
-            .image
-            .background
+            .background()
             .map(|x| R::ZERO + R::from_f64(x));
         for (path, _) in paths.iter().zip(sites).filter(|(_, site)| site.is_none()) {
             let pixel = path.pixel as usize;
@@ -297,7 +296,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             }
         }
         self.batches = batches;
-        let background = self.plan.scene.image.background.map(R::from_f64);
+        let background = self.plan.scene.background().map(R::from_f64);
         for (i, path) in paths.iter().enumerate() {
             let layer = usize::from(path.branch == Branch::Refraction);
             let pixel = path.pixel as usize;
