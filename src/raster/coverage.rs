@@ -2,7 +2,8 @@
 //! anybody who wants to check them. They call what [`super::Plan`] calls.
 
 use super::attribute::Weights;
-use super::setup::{Builder, SampleBox, TILE, TileGrid};
+use super::records::{SampleBox, TILE, TileGrid};
+use super::setup::Builder;
 use super::tile::{Samples, Visibility};
 use super::view::{Vertex, View};
 use super::{Counters, edges};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::lit::Mode;
-use super::setup::{TILE, TileArea};
+use super::records::{TILE, TileArea};
 use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
 use super::{Counters, Options, Plan};

@@ -26,6 +26,7 @@ mod draw;
 mod edges;
 mod lit;
 mod outline;
+mod records;
 mod setup;
 mod shade;
 mod sides;
@@ -51,7 +52,8 @@ use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{self, Feature, Model, Requirements};
 use draw::Drawer;
 use lit::Mode;
-use setup::{Builder, Chunk, SampleBox, TileGrid};
+use records::{Chunk, SampleBox, TileGrid};
+use setup::Builder;
 use view::{Vertex, View};
 
 /// The most pixels a picture may have.

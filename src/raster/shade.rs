@@ -12,7 +12,7 @@
 
 use super::attribute::{Weights, mix, mix_colors, mix3};
 use super::lit::{Lit, Mode, Output};
-use super::setup::{TILE, TileArea};
+use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
 use super::view::orientation;

@@ -14,7 +14,7 @@
 //! a decision that two triangles must share, and is taken in f64.
 
 use super::edges::double_area;
-use super::view::{Vertex, View, orientation};
+use super::view::{Vertex, View, orientation, scaled};
 use crate::lanes::Real;
 use crate::math::float::dot;
 
@@ -88,13 +88,6 @@ impl Place {
             },
         }
     }
-}
-
-/// A positive multiple with largest component about 1: signs stay, products keep within range.
-fn scaled(h: [f64; 3]) -> [f64; 3] {
-    let largest = h[0].abs().max(h[1].abs()).max(h[2].abs());
-    let (down, _) = largest.power_of_two_scale();
-    h.map(|x| x * down)
 }
 
 impl Sides {

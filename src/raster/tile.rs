@@ -7,7 +7,8 @@
 
 use super::Counters;
 use super::edges::{Edges, SAMPLE_BITS};
-use super::setup::{Form, Record, TILE, TileArea, pixels};
+use super::records::{Form, Record, TILE, TileArea};
+use super::setup::pixels;
 use super::sides::{ALL, Sample, Sides};
 use crate::frame::NONE;
 

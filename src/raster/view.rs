@@ -7,6 +7,7 @@
 //! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts.
 
 use super::edges::SAMPLE_BITS;
+use crate::lanes::Real;
 use crate::math::{DVec2, DVec4};
 use crate::scene::{Camera, FrontFace, Projection, Snap};
 
@@ -27,10 +28,10 @@ pub(super) struct Vertex {
 }
 
 /// Where the sample at a place of the picture looks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Lens {
     /// Through the camera's own ray.
-    Camera(Camera),
+    Camera(Box<Camera>),
     /// At normalized device coordinates.
     Ndc,
     /// At the place itself.
@@ -88,7 +89,7 @@ impl View {
             bits: snap.bits().unwrap_or(SAMPLE_BITS),
             snaps: snap.bits().is_some(),
             size,
-            lens: Lens::Camera(*camera),
+            lens: Lens::Camera(Box::new(*camera)),
             perspective: matches!(camera.projection, Projection::Perspective { .. }),
             clips_far: matrix,
             near: if matrix { 0.0 } else { camera.near },
@@ -131,7 +132,9 @@ impl View {
 
     /// An eye-space point, homogeneous.
     pub(super) fn vertex(&self, eye: [f64; 3]) -> Vertex {
-        if let Some(clip) = self.clip_coordinates(eye) {
+        if self.clips_far
+            && let Some(clip) = self.clip_coordinates(eye)
+        {
             return Vertex {
                 x: clip.x,
                 y: clip.y,
@@ -263,6 +266,13 @@ fn round_half_even(x: f64) -> i64 {
     ((x + MAGIC) - MAGIC) as i64
 }
 
+/// A positive multiple with largest component about 1: signs stay, products keep within range.
+pub(super) fn scaled(h: [f64; 3]) -> [f64; 3] {
+    let largest = h[0].abs().max(h[1].abs()).max(h[2].abs());
+    let (down, _) = largest.power_of_two_scale();
+    h.map(|x| x * down)
+}
+
 /// Sign of the window-space area of a triangle seen from its visible side, y up: +1 counter-clockwise, -1 clockwise,
 /// 0 edge-on. Exact on the numbers given.
 ///
@@ -277,11 +287,13 @@ pub(super) fn orientation(h: [[f64; 3]; 3]) -> i32 {
         det += a[i] * (p - q);
         permanent += a[i].abs() * (p.abs() + q.abs());
     }
-    // Each of the six products passes at most 5 roundings; 8 covers them and those of the bound itself.
-    if det.abs() > permanent * (8.0 * f64::EPSILON) {
+    // Each of the six products passes at most 5 roundings; 8 covers them and those of the bound itself. What leaves the
+    // range of f64 is decided on positive multiples.
+    if det.abs() > permanent * (8.0 * f64::EPSILON) && permanent > f64::MIN_POSITIVE / f64::EPSILON
+    {
         sign(det)
     } else {
-        exact_orientation(h)
+        exact_orientation([scaled(a), scaled(b), scaled(c)])
     }
 }
 
@@ -290,7 +302,8 @@ fn sign(x: f64) -> i32 {
 }
 
 /// The sign of a 3 x 3 determinant from its 24 exact partial products, summed as a non-overlapping expansion
-/// (Shewchuk 1997). Exact unless a product leaves the range of f64.
+/// (Shewchuk 1997). Exact unless a product leaves the range of f64: rows are [`scaled`], so only components that are 1e-100
+/// of their row's largest can do that.
 fn exact_orientation(h: [[f64; 3]; 3]) -> i32 {
     let [a, b, c] = h;
     let mut expansion: Vec<f64> = Vec::with_capacity(24);
