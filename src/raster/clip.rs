@@ -7,9 +7,9 @@
 use super::view::{Vertex, View};
 
 /// A triangle gains at most one vertex a plane.
-const CAPACITY: usize = 5;
+const CAPACITY: usize = 9;
 
-/// A convex polygon of at most five vertices.
+/// A convex polygon of at most nine vertices: a triangle cut by near, far and four sides.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Polygon {
     vertices: [Vertex; CAPACITY],
@@ -80,4 +80,21 @@ pub(super) fn clip(view: &View, corners: [Vertex; 3]) -> Polygon {
         polygon = polygon.cut(|v| view.inside_far(v));
     }
     polygon
+}
+
+/// That part without what lies so far beside the picture that distances from its places would be all rounding: what is
+/// kept reaches 2^36 px.
+pub(super) fn clip_to_reach(view: &View, corners: [Vertex; 3]) -> Polygon {
+    const REACH: f64 = (1u64 << 36) as f64;
+    let polygon = clip(view, corners);
+    let [sx, sy] = view.scale;
+    let inside = |v: &Vertex| (sx * v.x).abs() <= REACH * v.w && (sy * v.y).abs() <= REACH * v.w;
+    if polygon.vertices().iter().all(inside) {
+        return polygon;
+    }
+    polygon
+        .cut(|v| REACH * v.w - sx * v.x)
+        .cut(|v| REACH * v.w + sx * v.x)
+        .cut(|v| REACH * v.w - sy * v.y)
+        .cut(|v| REACH * v.w + sy * v.y)
 }
