@@ -213,7 +213,7 @@ fn bad_flags_are_named() {
             &["render", "whitted", "--tessellation", "2"],
             "--tessellation",
         ),
-        (&["render", "whitted", "--snap", "9"], "8 or 12"),
+        (&["render", "whitted", "--snap", "9"], "8, 12 or exact"),
         (&["render", "whitted", "--isa", "mmx"], "--isa"),
         (&["render", "whitted", "-o", "picture.bmp"], ".png"),
         (&["render", "whitted", "-o", "picture"], ".png"),

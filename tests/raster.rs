@@ -212,6 +212,40 @@ fn a_fan_around_a_pixel_centre_owns_each_pixel_once() {
 }
 
 #[test]
+fn without_a_grid_nothing_is_lost() {
+    // Two triangles far smaller than the snap around two pixel centres, and one between them.
+    let around = |x: f64, y: f64| [[x - 1e-4, y - 1e-4], [x + 1e-4, y - 1e-4], [x, y + 1e-4]];
+    let tiny = [around(1.5, 0.5), around(3.5, 1.5), around(2.0, 1.0)];
+    assert_eq!(owners(&tiny, [5, 2], Snap::Bits8), "00000\n00000");
+    assert_eq!(owners(&tiny, [5, 2], Snap::Exact), "01000\n00010");
+    // A fan whose middle the grid would move: each centre still has one owner, its hub's among them.
+    let hub = [3.5, 3.5];
+    let ring = [[0.3, 0.4], [6.7, 0.2], [7.1, 6.9], [0.1, 7.2]];
+    let fan = [0, 1, 2, 3].map(|i| [hub, ring[i], ring[(i + 1) % 4]]);
+    let square = "1111111\n".repeat(6) + "1111111";
+    assert_eq!(owners(&fan, [7, 7], Snap::Exact), square);
+    assert_eq!(owners(&fan, [7, 7], Snap::Bits8), square);
+}
+
+#[test]
+fn triangles_beyond_the_integers_share_their_edges() {
+    // A fan from one hub to corners so far away that they do not snap.
+    for (size, hub) in [(1e12, [7.3, 6.1]), (1e30, [7.5, 6.5]), (1e300, [2.0, 9.9])] {
+        let ring = [
+            [-size, -0.7 * size],
+            [size, -size],
+            [0.3 * size, size],
+            [-size, size],
+        ];
+        let fan = [0, 1, 2, 3].map(|i| [hub, ring[i], ring[(i + 1) % 4]]);
+        for snap in [Snap::Bits8, Snap::Bits12, Snap::Exact] {
+            let all = "111111111111\n".repeat(11) + "111111111111";
+            assert_eq!(owners(&fan, [12, 12], snap), all, "{size:e} {snap:?}");
+        }
+    }
+}
+
+#[test]
 fn degenerate_triangles_own_nothing() {
     let p = [3.5, 3.5];
     for t in [
@@ -294,7 +328,7 @@ fn huge_triangles_cover_the_picture() {
         &[],
         glow([0.25, 0.5, 1.0]),
     );
-    // And one beyond the guard band, farther away: it fills nothing that the first has not.
+    // And one beyond the range of the integers, farther away: it fills nothing that the first has not.
     let farther = 1e14;
     add_mesh(
         &mut scene,
@@ -312,7 +346,10 @@ fn huge_triangles_cover_the_picture() {
     scene.objects.remove(0);
     let (frame, counters) = draw_with::<f64>(&scene, &options(ShadeModel::Gouraud));
     assert!(frame.primitive.data.iter().all(|p| *p == 0));
-    assert_eq!(counters.triangles_clipped, 1);
+    assert_eq!(
+        (counters.triangles_drawn, counters.triangles_clipped),
+        (1, 0)
+    );
 }
 
 // ---- perspective, near plane, depth -------------------------------------------------------------------------------

@@ -163,7 +163,7 @@ pub(super) struct QualityArgs {
         value_name = "PRECISION"
     )]
     pub(super) precision: PrecisionArg,
-    /// Sub-pixel bits that vertices snap to before coverage: 8 or 12
+    /// Sub-pixel bits that vertices snap to before coverage: 8, 12, or exact for none
     #[arg(
         long,
         value_name = "BITS",

@@ -298,7 +298,7 @@ pub(super) fn settings(
         ),
         ("depth", scene.trace.depth.to_string()),
         ("precision", precision.to_owned()),
-        ("snap", scene.raster.snap.bits().to_string()),
+        ("snap", scene.raster.snap.name().to_owned()),
         ("isa", quality.isa.name().to_owned()),
         ("threads", rayon::current_num_threads().to_string()),
     ];

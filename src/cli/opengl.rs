@@ -211,7 +211,8 @@ impl<R: Real> Ours<'_, R> {
     /// Our picture against theirs, at pixel centres.
     fn agreement(&self, scene: &Scene, ours: &Frame<R>, peer: &Picture, info: &Info) -> Agreement {
         let plan = raster::Plan::new(scene, self.assembly, self.quality.model);
-        let bits = info.subpixel_bits.min(scene.raster.snap.bits());
+        let own = scene.raster.snap.bits().unwrap_or(u32::MAX);
+        let bits = info.subpixel_bits.min(own);
         Agreement::of(&Pair {
             scene,
             plan: &plan,

@@ -99,14 +99,12 @@ pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quali
         scene.trace.depth = depth;
     }
     if let Some(snap) = &args.snap {
-        scene.raster.snap = match snap.as_str() {
-            "8" => Snap::Bits8,
-            "12" => Snap::Bits12,
-            other => {
-                return Err(Error::parameter(
-                    "--snap",
-                    format!("{other}: expected 8 or 12"),
-                ));
+        let found = Snap::NAMES.iter().find(|(name, _)| name == snap);
+        scene.raster.snap = match found {
+            Some((_, value)) => *value,
+            None => {
+                let message = format!("{snap}: expected 8, 12 or exact");
+                return Err(Error::parameter("--snap", message));
             }
         };
     }

@@ -1,7 +1,8 @@
 //! How well the two renderers agree where they must: rung 3 (rasterized, lit per fragment) against rung 4 (primary
 //! rays on the same triangles).
 //!
-//! Judged at pixel centres that are *interior*: farther than 1/256 px from an edge of either visible triangle, and
+//! Judged at pixel centres that are *interior*: farther than 1/256 px (without a snap grid 1/4096 px) from an edge of either
+//! visible triangle, and
 //! farther than 2^-18 (of a cosine) from a discontinuity of the model, which are the specular gate n.l = 0 and the edge
 //! of a spot cone. Two surfaces whose depths differ by less than 2^-22 relative are an edge, too. There the colours must
 //! agree to 1e-5 x max(1, magnitude), and coverage without exception.
@@ -11,13 +12,15 @@ use crate::error::Error;
 use crate::frame::{Frame, NONE};
 use crate::gl::ShadeModel;
 use crate::lanes::Real;
-use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::Model;
+use crate::scene::{Scene, Snap};
 use crate::{raster, trace};
 
-/// Distance from an edge, in pixels, within which the snapped vertices may decide otherwise.
+/// Distance from an edge, in pixels, within which vertices snapped to a grid may decide otherwise.
 const EDGE_PX: f64 = 1.0 / 256.0;
+/// The same without a grid: the projection's own rounding in f32.
+const EXACT_EDGE_PX: f64 = 1.0 / 4096.0;
 /// Relative distance of two depths below which they are a tie (2^-22).
 const TIE: f64 = 1.0 / 4_194_304.0;
 
@@ -80,8 +83,12 @@ fn compare<R: Real>(
     cast: &Frame<R>,
 ) -> Agreement {
     let plan = raster::Plan::new(scene, assembly, Model::Required);
-    let raster_edge = plan.near_edge(&per_fragment.primitive, EDGE_PX);
-    let cast_edge = plan.near_edge(&cast.primitive, EDGE_PX);
+    let width = match scene.raster.snap {
+        Snap::Exact => EXACT_EDGE_PX,
+        Snap::Bits8 | Snap::Bits12 => EDGE_PX,
+    };
+    let raster_edge = plan.near_edge(&per_fragment.primitive, width);
+    let cast_edge = plan.near_edge(&cast.primitive, width);
     let jump = plan.near_jump(&per_fragment.primitive, ShadeModel::Phong);
     let mut agreement = Agreement::default();
     let mut sum = 0.0;

@@ -229,7 +229,8 @@ pub(crate) const RASTER: &[KeyInfo] = &[
     key("cull", Kind::Choice(|| names(Cull::NAMES)), "\"none\"", "Which triangles are dropped by facing"),
     key("front_face", Kind::Choice(|| names(FrontFace::NAMES)), "\"ccw\"", "Which winding is the front"),
     key("depth_range", Kind::DepthRange, "[0, 1]", "Depth of the near and the far plane"),
-    key("snap", Kind::Snap, "8", "Sub-pixel bits that vertices are rounded to: 8 or 12"),
+    key("depth_test", Kind::Bool, "true", "The nearest surface shows; false: the last one drawn"),
+    key("snap", Kind::Snap, "8", "Sub-pixel bits that vertices are rounded to: 8, 12, or \"exact\" for none"),
     key("transparency", Kind::Choice(|| vec!["opaque", "blend"]), "\"opaque\"", "How the rasterizer draws transmissive surfaces"),
 ];
 

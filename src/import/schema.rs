@@ -147,7 +147,7 @@ fn kind(kind: Kind) -> Value {
         Kind::Bool => json!({ "type": "boolean" }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Choice(names) => json!({ "enum": names() }),
-        Kind::Snap => json!({ "enum": [8, 12] }),
+        Kind::Snap => json!({ "enum": [8, 12, "exact"] }),
         Kind::Color => color(),
         Kind::Weight => any_of(&[color(), json!({ "const": "K_S" })]),
         Kind::Vector => numbers(3, 3),

@@ -245,6 +245,11 @@ fn window_depth(camera: &Camera, distance: f64) -> f64 {
         (Projection::Orthographic { .. }, far) => {
             (distance - near) / (far.unwrap_or(f64::INFINITY) - near)
         }
+        (Projection::Matrix { clip_from_eye }, _) => {
+            // On the axis, as everywhere under frusta and boxes.
+            let clip = clip_from_eye * crate::math::DVec4::new(0.0, 0.0, -distance, 1.0);
+            (clip.z / clip.w + 1.0) / 2.0
+        }
     }
 }
 

@@ -6,10 +6,15 @@
 //! clipped corners, w <= 0 included, need no care.
 //!
 //! A sample that lies outside the exact triangle and is its own only because vertices were snapped (by at most half a
-//! unit of the snap) takes the attributes of the nearest place of the triangle's outline in the picture. GL would
-//! extrapolate; on slivers and at the horizon that leaves the range of the corners without bound, and may divide by 0.
+//! unit of the snap) is extrapolated to, as GL does, as long as no weight falls below -1/16. On slivers and at the horizon
+//! GL leaves the range of the corners without bound, and may divide by 0; there the attributes are those of the nearest
+//! place of the triangle's outline in the picture.
 
 use crate::lanes::Real;
+
+/// Least weight of a corner outside the triangle. A sample lies at most 1/256 px outside, so only triangles that are
+/// lower than 1/16 px anywhere fall below.
+const EXTRAPOLATED: f64 = -1.0 / 16.0;
 
 /// One triangle's constants.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,12 +46,13 @@ impl Weights {
         Self { corner, side }
     }
 
-    /// Weights at a ray, finite, sum 1 within rounding; none negative.
+    /// Weights at a ray, finite, sum 1 within rounding; none below -1/16.
     #[inline]
     pub(super) fn at(&self, ray: [f64; 2]) -> [f64; 3] {
         let e = self.edges(ray);
         let sum = e[0] + e[1] + e[2];
-        let inside = e[0] >= 0.0 && e[1] >= 0.0 && e[2] >= 0.0;
+        let least = EXTRAPOLATED * sum;
+        let inside = e[0] >= least && e[1] >= least && e[2] >= least;
         if inside && sum > 0.0 && sum < f64::INFINITY {
             return [e[0] / sum, e[1] / sum, e[2] / sum];
         }

@@ -1,15 +1,15 @@
-//! Clipping of one triangle in homogeneous space, before any division (GL 2.1 section 2.12).
+//! Clipping of one triangle in homogeneous space, before any division (GL 2.1 section 2.12): where its picture lies.
 //!
-//! Near always, far where the camera has one, x and y only at the guard band. Only places are clipped: attributes,
-//! flat colours and facing come from the whole triangle (so a vertex made here never becomes a provoking vertex). A cut
-//! is computed from the inside end to the outside end, so that two triangles sharing an edge get the same new vertex.
+//! Near always, far where the camera has one. The polygon bounds the triangle in the picture and in depth, and is its
+//! outline; which samples it covers is decided without it (`sides`), and attributes, flat colours and facing come from the
+//! whole triangle.
 
-use super::view::{GUARD_UNITS, Vertex, View};
+use super::view::{Vertex, View};
 
-/// A triangle gains at most one vertex a plane: 3 + 6.
+/// A triangle gains at most one vertex a plane.
 const CAPACITY: usize = 9;
 
-/// A convex polygon of at most nine vertices.
+/// A convex polygon of at most nine vertices: a triangle cut by near, far and four sides.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Polygon {
     vertices: [Vertex; CAPACITY],
@@ -70,21 +70,31 @@ fn between(a: &Vertex, b: &Vertex, d_a: f64, d_b: f64) -> Vertex {
     }
 }
 
-/// The part of a triangle that may be divided and snapped; fewer than three vertices = nothing.
+/// The part of a triangle between near and far; fewer than three vertices = nothing.
 pub(super) fn clip(view: &View, corners: [Vertex; 3]) -> Polygon {
-    let mut polygon = Polygon::triangle(corners).cut(|v| v.distance - view.near);
-    if view.far < f64::INFINITY {
-        polygon = polygon.cut(|v| view.far - v.distance);
+    let mut polygon = Polygon::triangle(corners);
+    if corners.iter().any(|v| view.inside_near(v) < 0.0) {
+        polygon = polygon.cut(|v| view.inside_near(v));
     }
-    if polygon.vertices().iter().any(|v| view.snap(v).is_none()) {
-        // Half the guard, so that the picture's own offset and rounding stay inside the whole.
-        let limit = GUARD_UNITS / 2.0 / view.unit() as f64;
-        let [sx, sy] = view.scale;
-        polygon = polygon
-            .cut(|v| limit * v.w - sx * v.x)
-            .cut(|v| limit * v.w + sx * v.x)
-            .cut(|v| limit * v.w - sy * v.y)
-            .cut(|v| limit * v.w + sy * v.y);
+    if corners.iter().any(|v| view.inside_far(v) < 0.0) {
+        polygon = polygon.cut(|v| view.inside_far(v));
     }
     polygon
+}
+
+/// That part without what lies so far beside the picture that distances from its places would be all rounding: what is
+/// kept reaches 2^36 px.
+pub(super) fn clip_to_reach(view: &View, corners: [Vertex; 3]) -> Polygon {
+    const REACH: f64 = (1u64 << 36) as f64;
+    let polygon = clip(view, corners);
+    let [sx, sy] = view.scale;
+    let inside = |v: &Vertex| (sx * v.x).abs() <= REACH * v.w && (sy * v.y).abs() <= REACH * v.w;
+    if polygon.vertices().iter().all(inside) {
+        return polygon;
+    }
+    polygon
+        .cut(|v| REACH * v.w - sx * v.x)
+        .cut(|v| REACH * v.w + sx * v.x)
+        .cut(|v| REACH * v.w - sy * v.y)
+        .cut(|v| REACH * v.w + sy * v.y)
 }

@@ -1,11 +1,12 @@
 //! Single routines of the rasterizer on bare numbers: coverage, interpolation weights and depth order, for tests and for
 //! anybody who wants to check them. They call what [`super::Plan`] calls.
 
-use super::Counters;
 use super::attribute::Weights;
-use super::setup::{Builder, SampleBox, TILE, TileGrid};
+use super::records::{SampleBox, TILE, TileGrid};
+use super::setup::Builder;
 use super::tile::{Samples, Visibility};
 use super::view::{Vertex, View};
+use super::{Counters, edges};
 use crate::frame::NONE;
 use crate::sampling::SUBPIXEL;
 use crate::scene::{Cull, Snap};
@@ -83,22 +84,33 @@ fn covered(view: &View, corners: [Vertex; 3], origin: [i64; 2], size: [u32; 2]) 
         min: center,
         max: center,
     };
-    let mut builder = Builder::new(view, grid, samples, Cull::None);
-    builder.clipped(0, corners);
+    let mut builder = Builder::new(view, grid, samples, (Cull::None, true));
+    // The way that a picture's triangles take.
+    let small = |v: &Vertex| view.snap(v).and_then(edges::small);
+    match [0, 1, 2].map(|i| small(&corners[i]).filter(|_| view.holds(&corners[i]))) {
+        [Some(a), Some(b), Some(c)] => builder.inside(0, [a, b, c], || corners),
+        _ => builder.general(0, corners),
+    }
     let chunk = builder.finish();
     let mut runs = Vec::new();
     let mut visibility = Visibility::new();
     for index in 0..grid.count() {
         let area = grid.tile(index);
+        let ray = |x: usize, y: usize| {
+            let at = |axis: usize, n: usize| (area.place[axis] + n as i64) as f64 + 0.5;
+            view.ray([at(0, x), at(1, y)])
+        };
+        let x: Vec<f64> = (0..area.size[0]).map(|x| ray(x, 0)[0]).collect();
+        let y: Vec<f64> = (0..area.size[1]).map(|y| ray(0, y)[1]).collect();
         let samples = Samples::Shared {
             offset: center,
-            x: &[0.0; TILE],
-            y: &[0.0; TILE],
+            x: &x,
+            y: &y,
         };
         visibility.clear();
-        for (record, v) in chunk.of_tile(index) {
+        for triangle in chunk.of_tile(index) {
             let counters = &mut Counters::default();
-            visibility.draw(&area, &samples, view.bits, record, v, counters);
+            visibility.draw(&area, &samples, view.bits, triangle, counters);
         }
         for y in 0..area.size[1] {
             let row = &visibility.primitive[y * TILE..y * TILE + area.size[0]];

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::lit::Mode;
-use super::setup::{TILE, TileArea};
+use super::records::{TILE, TileArea};
 use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
 use super::{Counters, Options, Plan};
@@ -232,10 +232,10 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
             let samples = self.samples(places, &area, sample);
             workspace.visibility.clear();
             for chunk in plan.chunks.iter().filter(|c| c.meets_tile(index)) {
-                for (record, v) in chunk.of_tile(index) {
+                for triangle in chunk.of_tile(index) {
                     let (bits, counters) = (plan.view.bits, &mut counters);
                     let visibility = &mut workspace.visibility;
-                    visibility.draw(&area, &samples, bits, record, v, counters);
+                    visibility.draw(&area, &samples, bits, triangle, counters);
                 }
             }
             let pass = Pass {

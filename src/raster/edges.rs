@@ -5,9 +5,8 @@
 //! own each sample once (GL 2.1 section 3.5.1 leaves the rule open; Direct3D 11.3 section 3.4 has this one).
 //!
 //! Samples lie on multiples of 1/256 px, so a function is divided by what the snap has more of, rounded down, and keeps
-//! its sign at every sample. Vertices within +-2^29 units (2 million px at 8 bits) take 64-bit products; the guard band of
-//! 2^44 units takes 128-bit products once a tile, cut to +-2^61: over a tile a function changes by less than 2^60, so its
-//! signs survive the cut.
+//! its sign at every sample. Vertices lie within +-2^29 units (2 million px at 8 bits), so that products fit 64 bits; what
+//! reaches farther is the affair of `sides`.
 
 use crate::sampling::SUBPIXEL;
 
@@ -15,9 +14,16 @@ use crate::sampling::SUBPIXEL;
 pub(super) const SAMPLE_BITS: u32 = SUBPIXEL.ilog2();
 
 /// Largest absolute coordinate whose edge functions fit 64 bits.
-pub(super) const SMALL_UNITS: i64 = 1 << 29;
+const SMALL_UNITS: i64 = 1 << 29;
 
-/// Twice the signed area of a snapped triangle in units^2: positive = clockwise on the screen (y down).
+/// Snapped coordinates as small integers; `None` beyond [`SMALL_UNITS`].
+pub(super) fn small(v: [i64; 2]) -> Option<[i32; 2]> {
+    let fits = v[0].abs() <= SMALL_UNITS && v[1].abs() <= SMALL_UNITS;
+    fits.then_some([v[0] as i32, v[1] as i32])
+}
+
+/// Twice the signed area of a snapped triangle in units^2: positive = clockwise on the screen (y down). Exact for any
+/// snapped vertices.
 pub(super) fn double_area(v: [[i64; 2]; 3]) -> i128 {
     let d = |i: usize, axis: usize| i128::from(v[i][axis] - v[0][axis]);
     d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
@@ -35,12 +41,10 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// The edge functions of a triangle of positive area with this many sub-pixel bits, at a place in 1/256 px.
+    /// The edge functions of a triangle of positive area and of vertices within [`SMALL_UNITS`], with this many sub-pixel bits, at a place in 1/256 px.
     pub(super) fn new(v: [[i64; 2]; 3], bits: u32, place: [i64; 2]) -> Self {
         let finer = bits - SAMPLE_BITS;
         let place = [place[0] << finer, place[1] << finer];
-        let small = |p: &[i64; 2]| p[0].abs() <= SMALL_UNITS && p[1].abs() <= SMALL_UNITS;
-        let fits = v.iter().all(small) && small(&place);
         let mut edges = Self {
             e: [0; 3],
             a: [0; 3],
@@ -55,13 +59,7 @@ impl Edges {
             let bias = i64::from(top_left) - 1;
             edges.a[i] = -dy;
             edges.b[i] = dx;
-            edges.e[i] = if fits {
-                (dx * py - dy * px + bias) >> finer
-            } else {
-                let wide = |x: i64| i128::from(x);
-                let exact = wide(dx) * wide(py) - wide(dy) * wide(px) + wide(bias);
-                (exact >> finer).clamp(-(1 << 61), 1 << 61) as i64
-            };
+            edges.e[i] = (dx * py - dy * px + bias) >> finer;
         }
         edges
     }

@@ -77,8 +77,11 @@ impl<R: Real> Plan<'_, R> {
         let position = origin + weights[0] * a + weights[1] * b + weights[2] * c;
         let mut normal = [0.0; 3];
         for (v, w) in corners.into_iter().zip(weights) {
-            for (n, x) in normal.iter_mut().zip(self.assembly.vertex_normal(v)) {
-                *n += w * x.to_f64();
+            for (n, x) in normal
+                .iter_mut()
+                .zip(self.assembly.vertex_normal_weighted(v))
+            {
+                *n += w * x;
             }
         }
         (position.to_array(), normalize(normal).0)

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Plan;
-use super::clip::clip;
+use super::clip::clip_to_reach;
 use crate::frame::{NONE, Plane};
 use crate::lanes::Real;
 
@@ -40,7 +40,7 @@ impl<R: Real> Plan<'_, R> {
 
     /// The corners of a primitive's visible part in pixel coordinates.
     fn outline_px(&self, primitive: u32) -> Vec<[f64; 2]> {
-        let polygon = clip(&self.view, self.corners(primitive));
+        let polygon = clip_to_reach(&self.view, self.corners(primitive));
         let corners = polygon.vertices().iter().map(|v| self.view.pixel(v));
         corners.collect()
     }

@@ -1,139 +1,20 @@
 //! Triangle setup: facing, culling, clipping, snapping, the depth plane; and binning to screen tiles in primitive order.
 //!
-//! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices. A triangle whose exact or
-//! snapped area is 0 draws nothing. Triangles are set up in parallel in chunks of consecutive primitives; each chunk lists,
+//! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices where a triangle has them
+//! (`edges`), else on its sides (`sides`). A triangle whose exact or snapped area is 0 draws nothing. Triangles are set up in parallel in chunks of consecutive primitives; each chunk lists,
 //! for each tile, its records in order, so walking the chunks in order gives primitive order whatever the thread count.
 //!
 //! Depth is a key, larger = closer, that is affine in the picture: 1 / distance (perspective: reversed depth with an
 //! infinite far plane) or -distance (orthographic), as k0 + kx X + ky Y in f64 at the sample's ray (X, Y), held within the
 //! keys of the triangle's own vertices: a sample that only snapping gave to a steep triangle must not leap forward.
 
-use super::Counters;
 use super::clip::{Polygon, clip};
-use super::edges::{Edges, SAMPLE_BITS, SMALL_UNITS, double_area};
+use super::edges::{Edges, SAMPLE_BITS};
+use super::records::{BY_SIDES, Chunk, Record, SampleBox, TILE, TileArea, TileGrid};
+use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
+use crate::math::float::dot;
 use crate::scene::Cull;
-
-/// Side of a screen tile in pixels.
-pub(super) const TILE: usize = 64;
-
-/// The picture cut into tiles.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileGrid {
-    /// Picture width and height in pixels.
-    pub(super) size: [usize; 2],
-    /// First pixel of the picture in the pixel frame of the vertices.
-    pub(super) origin: [i64; 2],
-}
-
-impl TileGrid {
-    /// Columns of tiles.
-    pub(super) fn columns(&self) -> usize {
-        self.size[0].div_ceil(TILE)
-    }
-
-    /// Rows of tiles.
-    pub(super) fn rows(&self) -> usize {
-        self.size[1].div_ceil(TILE)
-    }
-
-    /// Number of tiles.
-    pub(super) fn count(&self) -> usize {
-        self.columns() * self.rows()
-    }
-
-    /// First pixel and size of a tile.
-    pub(super) fn tile(&self, index: usize) -> TileArea {
-        let corner = [index % self.columns() * TILE, index / self.columns() * TILE];
-        let size = [0, 1].map(|axis| TILE.min(self.size[axis] - corner[axis]));
-        TileArea {
-            corner,
-            place: [0, 1].map(|axis| self.origin[axis] + corner[axis] as i64),
-            size,
-        }
-    }
-}
-
-/// One tile.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileArea {
-    /// First pixel in the picture.
-    pub(super) corner: [usize; 2],
-    /// First pixel in the pixel frame of the vertices.
-    pub(super) place: [i64; 2],
-    /// Width and height in pixels, at most [`TILE`].
-    pub(super) size: [usize; 2],
-}
-
-/// Where samples lie within any pixel, in 1/256 px: the box around them all.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SampleBox {
-    /// Least offset in x and y.
-    pub(super) min: [i64; 2],
-    /// Greatest offset in x and y.
-    pub(super) max: [i64; 2],
-}
-
-/// A triangle ready to be filled: 64 bytes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Record {
-    /// Snapped x, or `HUGE` in the first place.
-    x: [i32; 3],
-    /// Snapped y, or an index into `Chunk::huge` in the first place.
-    y: [i32; 3],
-    /// k0, kx, ky of the depth key.
-    pub(super) key: [f64; 3],
-    /// Least and greatest key.
-    pub(super) range: [f32; 2],
-    /// Primitive number.
-    pub(super) primitive: u32,
-}
-
-const HUGE: i32 = i32::MIN;
-
-/// Consecutive primitives, set up and binned.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Chunk {
-    records: Vec<Record>,
-    huge: Vec<[[i64; 2]; 3]>,
-    /// Per tile, where its part of `items` starts; one more at the end.
-    offsets: Vec<u32>,
-    /// Record numbers, tile by tile, each tile in primitive order.
-    items: Vec<u32>,
-    /// What happened to the primitives.
-    pub(super) counters: Counters,
-}
-
-impl Chunk {
-    /// Whether a tile has records.
-    pub(super) fn meets_tile(&self, tile: usize) -> bool {
-        self.offsets[tile] < self.offsets[tile + 1]
-    }
-
-    /// The records of a tile in primitive order, with their snapped vertices.
-    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Record, [[i64; 2]; 3])> {
-        let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
-        self.items[range].iter().map(|&i| {
-            let record = &self.records[i as usize];
-            (record, self.vertices(record))
-        })
-    }
-
-    #[inline]
-    fn vertices(&self, record: &Record) -> [[i64; 2]; 3] {
-        if record.x[0] == HUGE {
-            self.huge[record.y[0] as usize]
-        } else {
-            // Written out: closures given to array::map are not inlined here.
-            let ([x0, x1, x2], [y0, y1, y2]) = (record.x, record.y);
-            [
-                [i64::from(x0), i64::from(y0)],
-                [i64::from(x1), i64::from(y1)],
-                [i64::from(x2), i64::from(y2)],
-            ]
-        }
-    }
-}
 
 /// Sets up triangles in primitive order.
 pub(super) struct Builder<'a> {
@@ -141,6 +22,7 @@ pub(super) struct Builder<'a> {
     grid: TileGrid,
     samples: SampleBox,
     cull: Cull,
+    depth_test: bool,
     chunk: Chunk,
     /// Tile and record, in primitive order.
     entries: Vec<(u32, u32)>,
@@ -148,19 +30,25 @@ pub(super) struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// Nothing set up yet.
-    pub(super) fn new(view: &'a View, grid: TileGrid, samples: SampleBox, cull: Cull) -> Self {
+    pub(super) fn new(
+        view: &'a View,
+        grid: TileGrid,
+        samples: SampleBox,
+        (cull, depth_test): (Cull, bool),
+    ) -> Self {
         Self {
             view,
             grid,
             samples,
             cull,
+            depth_test,
             chunk: Chunk::default(),
             entries: Vec::new(),
         }
     }
 
     /// Adds a triangle that needs no clipping: its vertices lie within near and far, and `snapped` within
-    /// [`SMALL_UNITS`]. `corners` gives the vertices themselves and is asked only for what survives.
+    /// 2^29 units. `corners` gives the vertices themselves and is asked only for what survives.
     pub(super) fn inside(
         &mut self,
         primitive: u32,
@@ -191,13 +79,28 @@ impl<'a> Builder<'a> {
             return;
         }
         let corners = corners();
-        let (key, range) = self.depth(&corners, &corners);
-        self.push(primitive, v, area < 0, key, range, tiles);
+        let (key, range) = self.depth(primitive, &corners, &corners);
+        let (snapped, v) = if area < 0 {
+            ([snapped[0], snapped[2], snapped[1]], [v[0], v[2], v[1]])
+        } else {
+            (snapped, v)
+        };
+        let record = Record {
+            x: [snapped[0][0], snapped[1][0], snapped[2][0]],
+            y: [snapped[0][1], snapped[1][1], snapped[2][1]],
+            key,
+            range,
+            primitive,
+        };
+        let (grid, bits, samples) = (self.grid, self.view.bits, self.samples);
+        self.push(record, tiles, |tile| {
+            meets(v, bits, &grid.tile(tile), samples)
+        });
         self.chunk.counters.triangles_drawn += 1;
     }
 
-    /// Adds any triangle: clips it, and draws the polygon that is left as a fan.
-    pub(super) fn clipped(&mut self, primitive: u32, corners: [Vertex; 3]) {
+    /// Adds any triangle: its sides decide its coverage.
+    pub(super) fn general(&mut self, primitive: u32, corners: [Vertex; 3]) {
         self.chunk.counters.triangles_in += 1;
         let polygon = if corners.iter().all(Vertex::is_finite) {
             clip(self.view, corners)
@@ -205,36 +108,80 @@ impl<'a> Builder<'a> {
             Polygon::default()
         };
         let vertices = polygon.vertices();
-        let snapped: Option<Vec<[i64; 2]>> = vertices.iter().map(|v| self.view.snap(v)).collect();
-        let Some(snapped) = snapped.filter(|v| v.len() >= 3) else {
+        let Some([first, last]) = self.pixel_box(&corners, vertices) else {
             self.chunk.counters.triangles_outside += 1;
             return;
         };
-        let fans = || (1..snapped.len() - 1).map(|i| [snapped[0], snapped[i], snapped[i + 1]]);
-        let area: i128 = fans().map(double_area).sum();
         let facing = orientation(corners.map(|v| v.homogeneous()));
-        if !self.keeps(facing, area == 0) {
+        let sides = Sides::new(self.view, &corners, facing);
+        if !self.keeps(facing, sides.is_none()) {
             return;
         }
-        let (key, range) = self.depth(&corners, vertices);
-        let mut drawn = false;
-        for v in fans() {
-            // Snapping may fold a sliver of the fan over; what it would take back is not drawn.
-            if double_area(v).signum() != area.signum() {
-                continue;
-            }
-            if let Some(tiles) = self.tiles(&v) {
-                self.push(primitive, v, area < 0, key, range, tiles);
-                drawn = true;
-            }
-        }
+        let Some(sides) = sides else { return };
+        let (key, range) = self.depth(primitive, &corners, vertices);
+        let record = Record {
+            x: [BY_SIDES, first[0] as i32, last[0] as i32],
+            y: [
+                self.chunk.sides.len() as i32,
+                first[1] as i32,
+                last[1] as i32,
+            ],
+            key,
+            range,
+            primitive,
+        };
+        self.chunk.sides.push(sides);
+        let tiles = [0, 1].map(|axis| [first[axis] / TILE, last[axis] / TILE]);
+        self.push(record, tiles, |_| true);
         let counters = &mut self.chunk.counters;
-        if drawn {
-            counters.triangles_drawn += 1;
-            counters.triangles_clipped += 1;
-        } else {
-            counters.triangles_outside += 1;
+        counters.triangles_drawn += 1;
+        let outside = |v: &Vertex| self.view.inside_near(v) < 0.0 || self.view.inside_far(v) < 0.0;
+        counters.triangles_clipped += u64::from(corners.iter().any(outside));
+    }
+
+    /// First and last column and row of the picture's pixels that a polygon may meet; `None` = none. `corners` are those
+    /// of the triangle that it was cut from.
+    fn pixel_box(&self, corners: &[Vertex; 3], polygon: &[Vertex]) -> Option<[[usize; 2]; 2]> {
+        if polygon.len() < 3 {
+            return None;
         }
+        let least_w = polygon
+            .iter()
+            .fold(f64::INFINITY, |least, v| least.min(v.w));
+        let (mut first, mut last) = ([0; 2], [0; 2]);
+        for axis in 0..2 {
+            let at = |v: &Vertex| self.view.pixel(v)[axis];
+            // A cut vertex carries the rounding of the corners that it lies between; snapping moves by less than a pixel.
+            let largest = corners
+                .iter()
+                .fold(0.0f64, |most, v| most.max(v.homogeneous()[axis].abs()));
+            let rounding = largest * self.view.scale[axis].abs() / least_w * (16.0 * f64::EPSILON);
+            let places = polygon.iter().map(at);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                // What has no place may be anywhere.
+                let (l, h) = if x.is_nan() {
+                    (f64::NEG_INFINITY, f64::INFINITY)
+                } else {
+                    (x, x)
+                };
+                (low.min(l), high.max(h))
+            });
+            let margin = if rounding.is_nan() {
+                f64::INFINITY
+            } else {
+                1.0 + rounding
+            };
+            // In the picture's own pixels; conversion to integers saturates, NaN (infinity less infinity) is 0.
+            let origin = self.grid.origin[axis] as f64;
+            let size = self.grid.size[axis] as f64;
+            let low = (low - margin - origin).max(0.0);
+            let high = (high + margin - origin).min(size - 1.0);
+            if low > high {
+                return None;
+            }
+            (first[axis], last[axis]) = (low as usize, high as usize);
+        }
+        Some([first, last])
     }
 
     /// Sorts the entries by tile, keeping primitive order within a tile.
@@ -298,8 +245,20 @@ impl<'a> Builder<'a> {
         Some(range)
     }
 
-    /// The depth key of a triangle, and the least and greatest key of the part that is drawn.
-    fn depth(&self, corners: &[Vertex; 3], drawn: &[Vertex]) -> ([f64; 3], [f32; 2]) {
+    /// The depth key of a triangle, and the least and greatest key of the part that is drawn. Without a depth test the
+    /// key is the primitive number: the last one drawn shows.
+    fn depth(
+        &self,
+        primitive: u32,
+        corners: &[Vertex; 3],
+        drawn: &[Vertex],
+    ) -> ([f64; 3], [f32; 2]) {
+        if !self.depth_test {
+            return (
+                [f64::from(primitive), 0.0, 0.0],
+                [f32::NEG_INFINITY, f32::INFINITY],
+            );
+        }
         let keys = drawn.iter().map(|v| self.view.depth_key(v));
         let (least, most) = keys.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| {
             (l.min(k), m.max(k))
@@ -311,59 +270,36 @@ impl<'a> Builder<'a> {
         if f64::from(range[1]) < most {
             range[1] = range[1].next_up();
         }
-        (key_plane(self.view.perspective, corners), range)
+        (key_plane(self.view, corners), range)
     }
 
     fn push(
         &mut self,
-        primitive: u32,
-        mut v: [[i64; 2]; 3],
-        flip: bool,
-        key: [f64; 3],
-        range: [f32; 2],
-        tiles: [[usize; 2]; 2],
+        record: Record,
+        [[left, right], [top, bottom]]: [[usize; 2]; 2],
+        meets: impl Fn(usize) -> bool,
     ) {
-        if flip {
-            v.swap(1, 2);
-        }
-        let small = v.iter().flatten().all(|c| c.abs() <= SMALL_UNITS);
-        let mut record = Record {
-            x: [HUGE; 3],
-            y: [0; 3],
-            key,
-            range,
-            primitive,
-        };
-        if small {
-            record.x = [v[0][0] as i32, v[1][0] as i32, v[2][0] as i32];
-            record.y = [v[0][1] as i32, v[1][1] as i32, v[2][1] as i32];
-        } else {
-            record.y[0] = self.chunk.huge.len() as i32;
-            self.chunk.huge.push(v);
-        }
         let number = self.chunk.records.len() as u32;
         self.chunk.records.push(record);
-        let [[left, right], [top, bottom]] = tiles;
         let several = (right - left + 1) * (bottom - top + 1) > 2;
         for row in top..=bottom {
             for column in left..=right {
                 let tile = row * self.grid.columns() + column;
-                if !several || self.meets(v, tile) {
+                if !several || meets(tile) {
                     self.entries.push((tile as u32, number));
                 }
             }
         }
     }
+}
 
-    /// Whether some sample of a tile may be inside all edges of a triangle.
-    fn meets(&self, v: [[i64; 2]; 3], tile: usize) -> bool {
-        let area = self.grid.tile(tile);
-        let SampleBox { min, max } = self.samples;
-        let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
-        let extent = [0, 1]
-            .map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
-        !Edges::new(v, self.view.bits, place).misses(extent)
-    }
+/// Whether some sample of a tile may be inside all edges of a triangle of snapped vertices.
+fn meets(v: [[i64; 2]; 3], bits: u32, area: &TileArea, samples: SampleBox) -> bool {
+    let SampleBox { min, max } = samples;
+    let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
+    let extent =
+        [0, 1].map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
+    !Edges::new(v, bits, place).misses(extent)
 }
 
 /// First and last pixel of one axis that have a sample between the least and the greatest of three places in units, for
@@ -378,24 +314,32 @@ pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2]
 
 /// k0, kx, ky with key = k0 + kx X + ky Y on the triangle's plane. May be infinite or NaN for planes that are all but
 /// edge-on; the range bounds what is used.
-fn key_plane(perspective: bool, corners: &[Vertex; 3]) -> [f64; 3] {
-    let point = |v: &Vertex| [v.x, v.y, if perspective { v.w } else { -v.distance }];
-    let [p0, p1, p2] = [0, 1, 2].map(|i| point(&corners[i]));
-    let (u, v) = (subtract(p1, p0), subtract(p2, p0));
-    let n = [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ];
-    if perspective {
-        let d = n[0] * p0[0] + n[1] * p0[1] + n[2] * p0[2];
-        [n[2] / d, n[0] / d, n[1] / d]
+fn key_plane(view: &View, corners: &[Vertex; 3]) -> [f64; 3] {
+    let [h0, h1, h2] = corners.map(|v| v.homogeneous());
+    let [q0, q1, q2] = corners.map(|v| view.depth_numerator(&v));
+    let (u, v) = (subtract(h1, h0), subtract(h2, h0));
+    // k . h_i = q_i at each corner: k det = q0 (u x v) + (q1 - q0) (v x h0) + (q2 - q0) (h0 x u), det = (u x v) . h0.
+    // Where all q are equal (perspective) it is a multiple of the plane's normal.
+    let (n, first, second) = (cross(u, v), cross(v, h0), cross(h0, u));
+    let det = dot(n, h0);
+    let k = |axis: usize| (q0 * n[axis] + (q1 - q0) * first[axis] + (q2 - q0) * second[axis]) / det;
+    if view.is_parallel() {
+        // From corner 0 on: far from the picture's centre the constant part would cancel.
+        let (kx, ky) = (k(0), k(1));
+        [q0 - kx * h0[0] - ky * h0[1], kx, ky]
     } else {
-        let (kx, ky) = (-n[0] / n[2], -n[1] / n[2]);
-        [p0[2] - kx * p0[0] - ky * p0[1], kx, ky]
+        [k(2), k(0), k(1)]
     }
 }
 
 fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

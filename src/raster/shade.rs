@@ -12,7 +12,7 @@
 
 use super::attribute::{Weights, mix, mix_colors, mix3};
 use super::lit::{Lit, Mode, Output};
-use super::setup::{TILE, TileArea};
+use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
 use super::view::orientation;
@@ -218,7 +218,7 @@ impl<R: Real> Workspace<R> {
         let (assembly, [a, b, c]) = (plan.assembly, seen.corners);
         let place = |v| assembly.vertex_eye(v);
         let position = mix3(weights, [place(a), place(b), place(c)]);
-        let normal = |v| assembly.vertex_normal(v);
+        let normal = |v| assembly.vertex_normal_weighted(v);
         let [p, q, r] = [normal(a), normal(b), normal(c)];
         let raw = [
             mix(weights, [p[0], q[0], r[0]]),
@@ -256,7 +256,7 @@ impl<R: Real> Workspace<R> {
         let shown = &mut self.shown;
         shown.primitive.copy_from_slice(&self.visibility.primitive);
         shown.depth.fill(R::INFINITY);
-        let [near, far] = [plan.view.near, plan.view.far];
+        let [near, far] = plan.view.distances();
         let z = &plan.assembly.position_eye[2];
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);
@@ -270,7 +270,7 @@ impl<R: Real> Workspace<R> {
     /// Fills the tile with the background.
     fn show_background(&mut self, pass: &Pass<'_, '_, R>) {
         let mode = pass.mode;
-        let background = pass.plan.scene.image.background.map(R::from_f64);
+        let background = pass.plan.scene.background().map(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {

@@ -7,7 +7,9 @@
 
 use super::Counters;
 use super::edges::{Edges, SAMPLE_BITS};
-use super::setup::{Record, TILE, TileArea, pixels};
+use super::records::{Form, Record, TILE, TileArea};
+use super::setup::pixels;
+use super::sides::{ALL, Sample, Sides};
 use crate::frame::NONE;
 
 /// The one sample of each pixel that a pass looks at.
@@ -38,6 +40,23 @@ impl Samples<'_> {
             Self::Each { ray, .. } => ray[y * TILE + x],
         }
     }
+
+    /// The sample of a pixel of the tile, in both frames.
+    #[inline]
+    fn sample(&self, area: &TileArea, x: usize, y: usize) -> Sample {
+        let offset = match self {
+            Self::Shared { offset, .. } => *offset,
+            Self::Each { offset, .. } => offset[y * TILE + x],
+        };
+        let unit = f64::from(1u32 << SAMPLE_BITS);
+        let place = |axis: usize, n: usize| {
+            (area.place[axis] + n as i64) as f64 + offset[axis] as f64 / unit
+        };
+        Sample {
+            pixel: [place(0, x), place(1, y)],
+            ray: self.ray(x, y),
+        }
+    }
 }
 
 /// The visibility buffer of a tile, row-major with stride [`TILE`].
@@ -65,6 +84,35 @@ impl Visibility {
 
     /// Draws one triangle.
     pub(super) fn draw(
+        &mut self,
+        area: &TileArea,
+        samples: &Samples<'_>,
+        bits: u32,
+        (record, form): (&Record, Form<'_>),
+        counters: &mut Counters,
+    ) {
+        match form {
+            Form::Snapped(v) => self.draw_snapped(area, samples, bits, record, v, counters),
+            Form::Sides { sides, first, last } => {
+                let mut window = Window {
+                    first: [0; 2],
+                    count: [0; 2],
+                };
+                for axis in 0..2 {
+                    let least = (first[axis] as usize).max(area.corner[axis]);
+                    let end = (last[axis] as usize + 1).min(area.corner[axis] + area.size[axis]);
+                    if least >= end {
+                        return;
+                    }
+                    window.first[axis] = least - area.corner[axis];
+                    window.count[axis] = end - least;
+                }
+                self.by_sides(area, samples, &window, record, sides, counters);
+            }
+        }
+    }
+
+    fn draw_snapped(
         &mut self,
         area: &TileArea,
         samples: &Samples<'_>,
@@ -127,6 +175,49 @@ impl Visibility {
             }
             Samples::Each { offset, ray } => {
                 self.scattered(&window, &edges, record, offset, ray, counters);
+            }
+        }
+    }
+
+    /// The kernel for triangles that their sides decide.
+    fn by_sides(
+        &mut self,
+        area: &TileArea,
+        samples: &Samples<'_>,
+        window: &Window,
+        record: &Record,
+        sides: &Sides,
+        counters: &mut Counters,
+    ) {
+        let ([left, top], [width, height]) = (window.first, window.count);
+        let [k0, kx, ky] = record.key;
+        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
+        counters.fragments_tested += (width * height) as u64;
+        for y in top..top + height {
+            // Samples at one place in every pixel lie on a line: what both ends say holds between them.
+            let needed = match samples {
+                Samples::Shared { .. } => {
+                    let end = |x: usize| samples.sample(area, x, y);
+                    match sides.between(&end(left), &end(left + width - 1)) {
+                        Some(needed) => needed,
+                        None => continue,
+                    }
+                }
+                Samples::Each { .. } => ALL,
+            };
+            for x in left..left + width {
+                let sample = samples.sample(area, x, y);
+                if !sides.contains(&sample, needed) {
+                    continue;
+                }
+                counters.fragments_covered += 1;
+                let at = y * TILE + x;
+                let key = limit(k0 + ky * sample.ray[1] + kx * sample.ray[0], range);
+                if key > self.key[at] {
+                    self.key[at] = key;
+                    self.primitive[at] = record.primitive;
+                    counters.fragments_passed += 1;
+                }
             }
         }
     }

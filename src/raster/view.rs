@@ -6,11 +6,13 @@
 //! GL's `z + w >= 0` and `z <= w` (GL 2.1 section 2.12) read `near <= distance <= far`. So the near test, the facing and
 //! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts.
 
+use super::edges::SAMPLE_BITS;
+use crate::lanes::Real;
+use crate::math::{DVec2, DVec4};
 use crate::scene::{Camera, FrontFace, Projection, Snap};
 
-/// Guard band in snapped units: beyond it x and y are clipped, so that the integers of `edges` cannot overflow.
-/// 2^36 px at 8 sub-pixel bits, 2^32 px at 12.
-pub(super) const GUARD_UNITS: f64 = (1u64 << 44) as f64;
+/// Largest snapped coordinate, in units: 2^36 px at 8 sub-pixel bits, 2^32 px at 12. Vertices beyond stay as they are.
+const GUARD_UNITS: f64 = (1u64 << 44) as f64;
 
 /// A vertex before the division: the picture's place is (x / w, y / w), y up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,8 +23,19 @@ pub(super) struct Vertex {
     pub(super) y: f64,
     /// Divisor: the distance (perspective) or 1 (orthographic).
     pub(super) w: f64,
-    /// Distance along -z: what the near and far planes bound.
+    /// Distance along -z, which the near and far planes bound; z + w of clip space under [`Projection::Matrix`].
     pub(super) distance: f64,
+}
+
+/// Where the sample at a place of the picture looks.
+#[derive(Clone, Debug)]
+enum Lens {
+    /// Through the camera's own ray.
+    Camera(Box<Camera>),
+    /// At normalized device coordinates.
+    Ndc,
+    /// At the place itself.
+    Pixels,
 }
 
 impl Vertex {
@@ -45,10 +58,17 @@ pub(super) struct View {
     pub(super) scale: [f64; 2],
     /// Where x / w = 0, y / w = 0 lies in the pixel frame.
     pub(super) center: [f64; 2],
-    /// Sub-pixel bits of the snap.
+    /// Sub-pixel bits of the snap; those of samples where there is none.
     pub(super) bits: u32,
+    /// Vertices snap.
+    pub(super) snaps: bool,
+    /// Size of the picture in pixels.
+    size: [u32; 2],
+    lens: Lens,
     /// The divisor is the distance.
     pub(super) perspective: bool,
+    /// The far plane is w - z >= 0 of clip space, whatever `far` says.
+    clips_far: bool,
     /// Smallest distance drawn.
     pub(super) near: f64,
     /// Largest distance drawn; +infinity where there is none.
@@ -62,13 +82,18 @@ impl View {
     pub(super) fn new(camera: &Camera, size: [u32; 2], snap: Snap, front_face: FrontFace) -> Self {
         let [width, height] = size.map(f64::from);
         let half = camera.half_extent(width / height);
+        let matrix = matches!(camera.projection, Projection::Matrix { .. });
         Self {
             scale: [width / 2.0 / half.x, height / 2.0 / half.y],
             center: [width / 2.0, height / 2.0],
-            bits: snap.bits(),
+            bits: snap.bits().unwrap_or(SAMPLE_BITS),
+            snaps: snap.bits().is_some(),
+            size,
+            lens: Lens::Camera(Box::new(*camera)),
             perspective: matches!(camera.projection, Projection::Perspective { .. }),
-            near: camera.near,
-            far: camera.far.unwrap_or(f64::INFINITY),
+            clips_far: matrix,
+            near: if matrix { 0.0 } else { camera.near },
+            far: camera.far.filter(|_| !matrix).unwrap_or(f64::INFINITY),
             front_sign: match front_face {
                 FrontFace::Ccw => 1,
                 FrontFace::Cw => -1,
@@ -81,8 +106,12 @@ impl View {
         Self {
             scale: [1.0, -1.0],
             center: [0.0; 2],
-            bits: snap.bits(),
+            bits: snap.bits().unwrap_or(SAMPLE_BITS),
+            snaps: snap.bits().is_some(),
+            size: [0; 2],
+            lens: Lens::Pixels,
             perspective: true,
+            clips_far: false,
             near: 0.0,
             far: f64::INFINITY,
             front_sign: 1,
@@ -95,18 +124,99 @@ impl View {
         Self {
             scale: half,
             center: half,
+            size,
+            lens: Lens::Ndc,
             ..Self::pixels(snap)
         }
     }
 
     /// An eye-space point, homogeneous.
     pub(super) fn vertex(&self, eye: [f64; 3]) -> Vertex {
+        if self.clips_far
+            && let Some(clip) = self.clip_coordinates(eye)
+        {
+            return Vertex {
+                x: clip.x,
+                y: clip.y,
+                w: clip.w,
+                distance: clip.z + clip.w,
+            };
+        }
         let distance = -eye[2];
         Vertex {
             x: eye[0],
             y: eye[1],
             w: if self.perspective { distance } else { 1.0 },
             distance,
+        }
+    }
+
+    /// Clip coordinates, where the projection is a matrix of its own.
+    fn clip_coordinates(&self, [x, y, z]: [f64; 3]) -> Option<DVec4> {
+        let Lens::Camera(camera) = &self.lens else {
+            return None;
+        };
+        match camera.projection {
+            Projection::Matrix { clip_from_eye } => Some(clip_from_eye * DVec4::new(x, y, z, 1.0)),
+            _ => None,
+        }
+    }
+
+    /// X and Y of the ray through a place of the pixel frame: what weights and depth keys are evaluated at. A vertex lies
+    /// on the ray of (x / w, y / w).
+    pub(super) fn ray(&self, place: [f64; 2]) -> [f64; 2] {
+        let [x, y] = place;
+        let [width, height] = self.size.map(f64::from);
+        let ndc = || [2.0 * x / width - 1.0, 1.0 - 2.0 * y / height];
+        let Lens::Camera(camera) = &self.lens else {
+            return match self.lens {
+                Lens::Pixels => place,
+                _ => ndc(),
+            };
+        };
+        let (origin, direction) = camera.primary_ray(DVec2::new(x, y), self.size[0], self.size[1]);
+        match camera.projection {
+            Projection::Perspective { .. } => [direction.x, direction.y],
+            Projection::Orthographic { .. } => [origin.x, origin.y],
+            Projection::Matrix { .. } => ndc(),
+        }
+    }
+
+    /// Rays are parallel and the key is affine in eye space.
+    pub(super) fn is_parallel(&self) -> bool {
+        !self.perspective && !self.clips_far
+    }
+
+    /// Least and greatest distance along -z of what is drawn; unbounded where a matrix has its own planes.
+    pub(super) fn distances(&self) -> [f64; 2] {
+        if self.clips_far {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            [self.near, self.far]
+        }
+    }
+
+    /// Rays count y upwards, against the pixel frame.
+    pub(super) fn y_up(&self) -> bool {
+        self.scale[1] > 0.0
+    }
+
+    /// Whether a vertex lies between near and far.
+    pub(super) fn holds(&self, v: &Vertex) -> bool {
+        self.inside_near(v) >= 0.0 && self.inside_far(v) >= 0.0
+    }
+
+    /// How far before the near plane a vertex lies, in some positive unit; negative = clipped (GL 2.1 section 2.12).
+    pub(super) fn inside_near(&self, v: &Vertex) -> f64 {
+        v.distance - self.near
+    }
+
+    /// How far before the far plane a vertex lies, in some positive unit; negative = clipped; +infinity where there is none.
+    pub(super) fn inside_far(&self, v: &Vertex) -> f64 {
+        if self.clips_far {
+            2.0 * v.w - v.distance
+        } else {
+            self.far - v.distance
         }
     }
 
@@ -118,13 +228,14 @@ impl View {
         ]
     }
 
-    /// Pixel coordinates snapped to the sub-pixel grid, half to even; `None` beyond the guard band or where w <= 0.
+    /// Pixel coordinates snapped to the sub-pixel grid, half to even; `None` without a grid, beyond +-2^44 units, or where
+    /// w <= 0.
     pub(super) fn snap(&self, v: &Vertex) -> Option<[i64; 2]> {
         let unit = self.unit() as f64;
         let [x, y] = self.pixel(v).map(|p| p * unit);
         let limit = GUARD_UNITS;
         // Comparisons with NaN are false, so what is not finite is refused, too.
-        (v.w > 0.0 && x.abs() <= limit && y.abs() <= limit)
+        (self.snaps && v.w > 0.0 && x.abs() <= limit && y.abs() <= limit)
             .then(|| [round_half_even(x), round_half_even(y)])
     }
 
@@ -133,13 +244,19 @@ impl View {
         1 << self.bits
     }
 
-    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far) or -distance.
+    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far) or -distance;
+    /// -(z / w + 1) of clip space under a matrix.
     pub(super) fn depth_key(&self, v: &Vertex) -> f64 {
         if self.perspective {
             1.0 / v.w
         } else {
-            -v.distance
+            -v.distance / v.w
         }
+    }
+
+    /// The key's numerator: the key is this over w.
+    pub(super) fn depth_numerator(&self, v: &Vertex) -> f64 {
+        if self.perspective { 1.0 } else { -v.distance }
     }
 }
 
@@ -147,6 +264,13 @@ impl View {
 fn round_half_even(x: f64) -> i64 {
     const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52: the sum has no bits below 1
     ((x + MAGIC) - MAGIC) as i64
+}
+
+/// A positive multiple with largest component about 1: signs stay, products keep within range.
+pub(super) fn scaled(h: [f64; 3]) -> [f64; 3] {
+    let largest = h[0].abs().max(h[1].abs()).max(h[2].abs());
+    let (down, _) = largest.power_of_two_scale();
+    h.map(|x| x * down)
 }
 
 /// Sign of the window-space area of a triangle seen from its visible side, y up: +1 counter-clockwise, -1 clockwise,
@@ -163,11 +287,13 @@ pub(super) fn orientation(h: [[f64; 3]; 3]) -> i32 {
         det += a[i] * (p - q);
         permanent += a[i].abs() * (p.abs() + q.abs());
     }
-    // Each of the six products passes at most 5 roundings; 8 covers them and those of the bound itself.
-    if det.abs() > permanent * (8.0 * f64::EPSILON) {
+    // Each of the six products passes at most 5 roundings; 8 covers them and those of the bound itself. What leaves the
+    // range of f64 is decided on positive multiples.
+    if det.abs() > permanent * (8.0 * f64::EPSILON) && permanent > f64::MIN_POSITIVE / f64::EPSILON
+    {
         sign(det)
     } else {
-        exact_orientation(h)
+        exact_orientation([scaled(a), scaled(b), scaled(c)])
     }
 }
 
@@ -176,7 +302,8 @@ fn sign(x: f64) -> i32 {
 }
 
 /// The sign of a 3 x 3 determinant from its 24 exact partial products, summed as a non-overlapping expansion
-/// (Shewchuk 1997). Exact unless a product leaves the range of f64.
+/// (Shewchuk 1997). Exact unless a product leaves the range of f64: rows are [`scaled`], so only components that are 1e-100
+/// of their row's largest can do that.
 fn exact_orientation(h: [[f64; 3]; 3]) -> i32 {
     let [a, b, c] = h;
     let mut expansion: Vec<f64> = Vec::with_capacity(24);

@@ -2,7 +2,8 @@
 //!
 //! A triangle's place in the list is its primitive number. World positions feed the BVH; eye-space positions and
 //! normals feed lighting in BOTH renderers, so that the two interpolate the same numbers. Points are transformed in f64
-//! (the eye subtracted before rotating) and rounded once to `R`.
+//! (the eye subtracted before rotating) and rounded once to `R`. World positions are kept from the eye on, too: so both
+//! renderers see equally fine places however far the scene lies from the origin.
 
 use std::sync::Arc;
 
@@ -21,8 +22,8 @@ pub const MAX_TRIANGLES: usize = 1 << 28;
 /// The triangles of a scene, vertices in structure-of-arrays form.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assembly<R> {
-    /// World positions of the vertices.
-    pub position_world: Vec<[R; 3]>,
+    /// Positions of the vertices less the eye, world directions.
+    pub position_from_eye: Vec<[R; 3]>,
     /// Eye-space x, y, z of the vertices.
     pub position_eye: [Vec<R>; 3],
     /// Eye-space unit normals of the vertices (zero where the normal is zero or not finite).
@@ -87,15 +88,23 @@ impl<R: Real> Assembly<R> {
         ]
     }
 
+    /// Eye-space normal of a vertex as per-fragment lighting interpolates it: with the length that per-vertex lighting
+    /// would give it (unit under `normalize`).
+    pub fn vertex_normal_weighted(&self, vertex: u32) -> [f64; 3] {
+        let length = self.normal_length.get(vertex as usize);
+        let length = length.map_or(1.0, |length| length.to_f64());
+        self.vertex_normal(vertex).map(|x| x.to_f64() * length)
+    }
+
     /// Refuses vertices that rounding to `R` made infinite: the renderers leave their triangles out.
     ///
     /// # Errors
     /// [`Error::Limit`] that names the first such object.
     pub fn check_range(&self, scene: &Scene) -> Result<(), Error> {
         let finite = |v: u32| {
-            let world = self.position_world[v as usize];
+            let from_eye = self.position_from_eye[v as usize];
             let eye = self.vertex_eye(v);
-            world.iter().chain(&eye).all(|x| x.is_finite())
+            from_eye.iter().chain(&eye).all(|x| x.is_finite())
         };
         let found = self
             .triangles
@@ -106,7 +115,7 @@ impl<R: Real> Assembly<R> {
         };
         let object = &scene.objects[self.object[triangle] as usize].name;
         let message = format!(
-            "object {object}: reaches farther than {:.1e} from the eye or the origin, the range of this precision",
+            "object {object}: reaches farther than {:.1e} from the eye, the range of this precision",
             R::MAX.to_f64()
         );
         Err(Error::limit(message).with_help("scale the scene down, or use --precision f64"))
@@ -116,7 +125,7 @@ impl<R: Real> Assembly<R> {
         let place = Placement::new(scene, &object.world_from_object);
         let flip = outward && mirrors(&object.world_from_object);
         let flat = mesh.normals.is_empty();
-        let base = self.position_world.len() as u32;
+        let base = self.position_from_eye.len() as u32;
         if !flat {
             for (i, p) in mesh.positions.iter().enumerate() {
                 self.push_vertex(&place, *p, mesh.normals[i], mesh.texcoords.get(i));
@@ -124,7 +133,7 @@ impl<R: Real> Assembly<R> {
         }
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             let corners = if flat {
-                let first = self.position_world.len() as u32;
+                let first = self.position_from_eye.len() as u32;
                 let points = triangle.map(|v| mesh.positions[v as usize]);
                 let normal = (points[1] - points[0]).cross(points[2] - points[0]);
                 let normal = DVec3::from_array(normalize(normal.to_array()).0);
@@ -146,10 +155,12 @@ impl<R: Real> Assembly<R> {
 
     fn push_vertex(&mut self, place: &Placement, p: DVec3, n: DVec3, texcoord: Option<&DVec2>) {
         let world = place.world_from_object.transform_point3(p);
-        let eye = place.rotation * (world - place.eye);
+        let from_eye = world - place.eye;
+        let eye = place.rotation * from_eye;
         let raw = place.normal_eye_from_object * n;
         let (unit, length) = normalize(raw.to_array());
-        self.position_world.push(world.to_array().map(R::from_f64));
+        self.position_from_eye
+            .push(from_eye.to_array().map(R::from_f64));
         for (axis, (x, n)) in eye.to_array().into_iter().zip(unit).enumerate() {
             self.position_eye[axis].push(R::from_f64(x));
             self.normal_eye[axis].push(R::from_f64(n));

@@ -15,6 +15,11 @@ pub enum Projection {
         /// Height of the view, scene units.
         height: f64,
     },
+    /// Any matrix that glLoadMatrix could load under GL_PROJECTION: off-centre, sheared or mirrored views.
+    Matrix {
+        /// Eye space to clip space.
+        clip_from_eye: DMat4,
+    },
 }
 
 /// Where the picture is taken from.
@@ -28,9 +33,9 @@ pub struct Camera {
     pub up: DVec3,
     /// Perspective (45 degrees by default) or orthographic.
     pub projection: Projection,
-    /// Near distance, > 0. Importers fit it where the file is silent.
+    /// Near distance, > 0. Importers fit it where the file is silent. [`Projection::Matrix`] states its own planes.
     pub near: f64,
-    /// Far distance; `None` = infinite (the default).
+    /// Far distance; `None` = infinite (the default). [`Projection::Matrix`] states its own planes.
     pub far: Option<f64>,
 }
 
@@ -64,11 +69,13 @@ impl Camera {
         self.eye_from_world_rotation() * (point_world - self.eye)
     }
 
-    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one.
+    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one, in
+    /// normalized device coordinates, (1, 1), for a matrix.
     pub fn half_extent(&self, aspect: f64) -> DVec2 {
         let half_height = match self.projection {
             Projection::Perspective { fovy_deg } => libm::tan(fovy_deg.to_radians() / 2.0),
             Projection::Orthographic { height } => height / 2.0,
+            Projection::Matrix { .. } => return DVec2::ONE,
         };
         DVec2::new(half_height * aspect, half_height)
     }
@@ -79,6 +86,7 @@ impl Camera {
         let near = self.near;
         let (sx, sy) = (1.0 / half.x, 1.0 / half.y);
         match (self.projection, self.far) {
+            (Projection::Matrix { clip_from_eye }, _) => clip_from_eye,
             (Projection::Perspective { .. }, far) => {
                 let (a, b) = match far {
                     Some(far) => (
@@ -116,8 +124,64 @@ impl Camera {
         match self.projection {
             Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (DVec3::new(x, y, 0.0), DVec3::NEG_Z),
+            Projection::Matrix { clip_from_eye } => matrix_ray(&clip_from_eye, x, y),
         }
     }
+
+    /// Whether the picture is turned over, as by a mirror: windings change with it. Only a matrix does that.
+    pub fn mirrors(&self) -> bool {
+        let Projection::Matrix { clip_from_eye } = self.projection else {
+            return false;
+        };
+        // In the picture a triangle of normal n winds as the sign of n . (p x q) says, p and q the planes of `matrix_ray`;
+        // along the ray d as that of -n . d. They agree where p x q points against d, whose z is -1.
+        let (p, q) = (clip_from_eye.row(0), clip_from_eye.row(1));
+        p.x * q.y - p.y * q.x < 0.0
+    }
+
+    /// The parameters t between which a point of a primary ray lies between the near and the far plane; the first is the
+    /// larger one where no point does.
+    pub fn ray_range(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
+        let Projection::Matrix { clip_from_eye } = self.projection else {
+            return [self.near, self.far.unwrap_or(f64::INFINITY)];
+        };
+        // z + w >= 0 and w - z >= 0 (GL 2.1 section 2.12), each linear in t; their sum says w >= 0.
+        let (from, along) = (
+            clip_from_eye * origin.extend(1.0),
+            clip_from_eye * direction.extend(0.0),
+        );
+        let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+        for (start, slope) in [
+            (from.w + from.z, along.w + along.z),
+            (from.w - from.z, along.w - along.z),
+        ] {
+            let at = -start / slope;
+            if slope > 0.0 {
+                range[0] = range[0].max(at);
+            } else if slope < 0.0 {
+                range[1] = range[1].min(at);
+            } else if start < 0.0 {
+                range[1] = f64::NEG_INFINITY;
+            }
+        }
+        range
+    }
+}
+
+/// The line of eye-space points that a matrix takes to the normalized device coordinates (x, y): where the planes
+/// row 0 = x row 3 and row 1 = y row 3 meet. It starts at z = 0 and its direction has z = -1, as the other rays do; a
+/// view across the z axis, which no such line shows, gives a ray that is not finite and meets nothing.
+fn matrix_ray(clip_from_eye: &DMat4, x: f64, y: f64) -> (DVec3, DVec3) {
+    let last = clip_from_eye.row(3);
+    let p = clip_from_eye.row(0) - x * last;
+    let q = clip_from_eye.row(1) - y * last;
+    let d = p.truncate().cross(q.truncate());
+    let origin = DVec3::new(
+        (p.y * q.w - q.y * p.w) / d.z,
+        (q.x * p.w - p.x * q.w) / d.z,
+        0.0,
+    );
+    (origin, DVec3::new(-d.x / d.z, -d.y / d.z, -1.0))
 }
 
 #[cfg(test)]
@@ -136,6 +200,41 @@ mod tests {
             let x = (clip.x / clip.w + 1.0) / 2.0 * 640.0;
             let y = (1.0 - clip.y / clip.w) / 2.0 * 480.0;
             assert!((x - px).abs() < 1e-10 && (y - py).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn the_ray_of_a_matrix_is_the_cameras_own() {
+        for projection in [
+            Projection::Perspective { fovy_deg: 50.0 },
+            Projection::Orthographic { height: 3.0 },
+        ] {
+            let camera = Camera {
+                projection,
+                near: 0.5,
+                far: Some(40.0),
+                ..Camera::default()
+            };
+            let clip_from_eye = camera.clip_from_eye(1.5);
+            let general = Camera {
+                projection: Projection::Matrix { clip_from_eye },
+                ..camera
+            };
+            for (px, py) in [(0.5, 0.5), (31.25, 17.75), (59.5, 39.5)] {
+                let (o, d) = camera.primary_ray(DVec2::new(px, py), 60, 40);
+                let (p, e) = general.primary_ray(DVec2::new(px, py), 60, 40);
+                assert!((o - p).length() < 1e-14 && (d - e).length() < 1e-14);
+                let [near, far] = general.ray_range(p, e);
+                assert!((near - 0.5).abs() < 1e-14 && (far - 40.0).abs() < 1e-12);
+            }
+            let mirror = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
+            let over = Camera {
+                projection: Projection::Matrix {
+                    clip_from_eye: mirror * clip_from_eye,
+                },
+                ..camera
+            };
+            assert!(!camera.mirrors() && !general.mirrors() && over.mirrors());
         }
     }
 

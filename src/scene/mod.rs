@@ -101,15 +101,31 @@ pub enum Snap {
     Bits8,
     /// 1/4096 pixel.
     Bits12,
+    /// None: coverage is decided on the vertices as they are.
+    Exact,
 }
 
 impl Snap {
-    /// Sub-pixel bits.
-    pub fn bits(self) -> u32 {
+    /// The one table of names: command line, scene file and reports.
+    pub const NAMES: &[(&'static str, Self)] = &[
+        ("8", Self::Bits8),
+        ("12", Self::Bits12),
+        ("exact", Self::Exact),
+    ];
+
+    /// Sub-pixel bits; `None` = no grid.
+    pub fn bits(self) -> Option<u32> {
         match self {
-            Self::Bits8 => 8,
-            Self::Bits12 => 12,
+            Self::Bits8 => Some(8),
+            Self::Bits12 => Some(12),
+            Self::Exact => None,
         }
+    }
+
+    /// Its name in the table.
+    pub fn name(self) -> &'static str {
+        let found = Self::NAMES.iter().find(|(_, snap)| *snap == self);
+        found.map_or("", |(name, _)| name)
     }
 }
 
@@ -126,6 +142,9 @@ pub struct RasterSettings {
     pub depth_range: [f64; 2],
     /// Sub-pixel grid. Default 8 bits.
     pub snap: Snap,
+    /// The nearest surface shows (GL_DEPTH_TEST with GL_LESS); else the last one drawn does, and depth stays unwritten. The
+    /// tracer ignores it. Default true.
+    pub depth_test: bool,
 }
 
 impl Default for RasterSettings {
@@ -136,6 +155,7 @@ impl Default for RasterSettings {
             front_face: FrontFace::Ccw,
             depth_range: [0.0, 1.0],
             snap: Snap::Bits8,
+            depth_test: true,
         }
     }
 }
@@ -287,6 +307,13 @@ impl Scene {
     /// The enabled lights in file order: the lights of the equation, and of the layers.
     pub fn enabled_lights(&self) -> impl Iterator<Item = &Light> {
         self.lights.iter().filter(|light| light.enabled)
+    }
+
+    /// The colour where nothing is hit; a component that is not a number shows as 0.
+    pub fn background(&self) -> Rgb {
+        self.image
+            .background
+            .map(|x| if x.is_nan() { 0.0 } else { x })
     }
 
     /// Names of the enabled lights.

@@ -107,6 +107,10 @@ impl BoxRay {
         let (down, up) = largest.power_of_two_scale();
         let d = (ray.direction * down).to_array();
         let o = ((ray.origin - space.center) * space.scale).to_array();
+        // Beyond f32 the box test has no numbers: from there, 10^38 times the scene away, nothing is met.
+        if !o.iter().all(|x| (*x as f32).is_finite()) {
+            return None;
+        }
         let unit = space.scale * up;
         Some(Self {
             origin_low: o.map(|x| (x as f32).next_down()),

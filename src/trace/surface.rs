@@ -34,7 +34,7 @@ pub struct Surfaces<'a, R> {
     bvh: Bvh,
     /// Item in each slot: a triangle's number, [`SOLID`] + index, or [`INSTANCE`] + object.
     items: Vec<u32>,
-    /// World corners of the triangle in each slot (zeros for others), so that leaves read memory in order.
+    /// Corners less the eye of the triangle in each slot (zeros for others), so that leaves read memory in order.
     corners: Vec<[[R; 3]; 3]>,
     rotation: DMat3,
     eye: DVec3,
@@ -244,7 +244,8 @@ impl<'a, R: Real> Surfaces<'a, R> {
             self.solid(item).hits(item, ray, shear, &mut visit);
             return;
         }
-        let corners = self.corners[slot].map(|p| p.map(Real::to_f64));
+        let [a, b, c] = self.corners[slot];
+        let corners = [self.world(a), self.world(b), self.world(c)];
         if let Some(p) = shear.triangle(corners) {
             visit(Hit {
                 t: p.t,
@@ -281,7 +282,14 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return [[R::ZERO; 3]; 3];
         }
         let triangle = self.assembly.triangles[item as usize];
-        triangle.map(|v| self.assembly.position_world[v as usize])
+        triangle.map(|v| self.assembly.position_from_eye[v as usize])
+    }
+
+    /// A place less the eye, in world space: the eye is added in f64, equally for every triangle that shares the vertex.
+    #[inline]
+    fn world(&self, [x, y, z]: [R; 3]) -> [f64; 3] {
+        let eye = self.eye;
+        [x.to_f64() + eye.x, y.to_f64() + eye.y, z.to_f64() + eye.z]
     }
 
     /// World corners of a triangle as rays meet it, and the error that an instance's transform adds to the hit.
@@ -291,7 +299,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             Some((instance, shared)) => instance.corners_world(shared, triangle),
             None => {
                 let corners = self.corners_of(triangle);
-                (corners.map(|p| DVec3::from_array(p.map(Real::to_f64))), 0.0)
+                (corners.map(|p| DVec3::from_array(self.world(p))), 0.0)
             }
         }
     }
@@ -304,11 +312,12 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return instance.bounds(shared);
         }
         let corners = self.corners_of(item);
-        Bounds::of(corners.map(|p| DVec3::from_array(p.map(Real::to_f64))))
+        Bounds::of(corners.map(|p| DVec3::from_array(self.world(p))))
     }
 
+    /// Front faces wind clockwise as a ray sees them: by the scene's rule, turned over by a projection that mirrors.
     fn front_is_clockwise(&self) -> bool {
-        self.scene.raster.front_face == scene::FrontFace::Cw
+        (self.scene.raster.front_face == scene::FrontFace::Cw) != self.scene.camera.mirrors()
     }
 
     fn solid_material(&self, solid: &Solid, tile: u32) -> u32 {
@@ -344,7 +353,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let triangle = a.triangles[hit.item as usize];
         let (world, error) = self.corners_world(hit.item);
         let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
-        let normals = triangle.map(|v| a.vertex_normal(v).map(Real::to_f64));
+        let normals = triangle.map(|v| a.vertex_normal_weighted(v));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
         // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
         let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {

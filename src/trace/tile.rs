@@ -139,18 +139,24 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| Path {
-            ray: Ray {
-                origin: camera.eye + world_from_eye * origin,
+        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| {
+            let [t_min, t_max] = camera.ray_range(origin, direction);
+            // A matrix may put its near plane behind the eye: such a ray starts there.
+            let back = t_min.min(0.0);
+            let ray = Ray {
+                origin: camera.eye + world_from_eye * (origin + back * direction),
                 direction: world_from_eye * direction,
-                t_min: camera.near,
-                t_max: camera.far.unwrap_or(f64::INFINITY),
+                t_min: t_min - back,
+                t_max: t_max - back,
                 skip: NO_ITEM,
-            },
-            weight: [1.0; 3],
-            pixel: pixel as u32,
-            branch: Branch::Primary,
-            media: AIR,
+            };
+            Path {
+                ray,
+                weight: [1.0; 3],
+                pixel: pixel as u32,
+                branch: Branch::Primary,
+                media: AIR,
+            }
         };
         self.eye_rays.iter().enumerate().map(path).collect()
     }
@@ -251,8 +257,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let background = self
             .plan
             .scene
-            .image
-            .background
+            .background()
             .map(|x| R::ZERO + R::from_f64(x));
         for (path, _) in paths.iter().zip(sites).filter(|(_, site)| site.is_none()) {
             let pixel = path.pixel as usize;
@@ -291,7 +296,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             }
         }
         self.batches = batches;
-        let background = self.plan.scene.image.background.map(R::from_f64);
+        let background = self.plan.scene.background().map(R::from_f64);
         for (i, path) in paths.iter().enumerate() {
             let layer = usize::from(path.branch == Branch::Refraction);
             let pixel = path.pixel as usize;

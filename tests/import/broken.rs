@@ -220,13 +220,8 @@ const SECTIONS: &[(&str, &str, &str)] = &[
         "",
     ),
     (
-        "[raster]\nsnap = \"exact\"\n",
-        "2:8 snap = \"exact\" is not supported: this version rounds vertices to 8 or 12 sub-pixel bits",
-        "",
-    ),
-    (
         "[raster]\nsnap = 9\n",
-        "2:8 snap: expected 8 or 12, found 9",
+        "2:8 snap: expected 8, 12 or \"exact\", found 9",
         "",
     ),
     (

@@ -80,6 +80,7 @@ front_face = "cw"
 depth_range = [1, 0]
 snap = 12
 transparency = "opaque"
+depth_test = false
 [trace]
 depth = 3
 shadow = "filtered"
@@ -158,6 +159,7 @@ tessellation = 3
         (FrontFace::Cw, Snap::Bits12)
     );
     assert_eq!(raster.depth_range, [1.0, 0.0]);
+    assert!(!raster.depth_test);
     let trace = &scene.trace;
     assert_eq!(
         (trace.depth, trace.shadow, trace.tir),

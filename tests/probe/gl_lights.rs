@@ -40,7 +40,7 @@ struct Case {
 
 #[derive(Deserialize)]
 #[serde(default)]
-struct CaseLight {
+pub(crate) struct CaseLight {
     position: [f64; 4],
     ambient: Vec<f64>,
     diffuse: Vec<f64>,
@@ -53,7 +53,7 @@ struct CaseLight {
 
 #[derive(Clone, Deserialize)]
 #[serde(default)]
-struct CaseMaterial {
+pub(crate) struct CaseMaterial {
     emission: Vec<f64>,
     ambient: Vec<f64>,
     diffuse: Vec<f64>,
@@ -75,7 +75,7 @@ enum Shadow {
     Color([f64; 3]),
 }
 
-const IDENTITY: [f64; 16] = [
+pub(crate) const IDENTITY: [f64; 16] = [
     1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
 ];
 
@@ -134,8 +134,53 @@ impl Default for CaseMaterial {
     }
 }
 
+impl CaseLight {
+    /// With every number rounded to f32, as OpenGL takes it.
+    pub(crate) fn rounded(&self) -> Self {
+        let single = |x: f64| f64::from(x as f32);
+        let list = |v: &[f64]| v.iter().copied().map(single).collect();
+        Self {
+            position: self.position.map(single),
+            ambient: list(&self.ambient),
+            diffuse: list(&self.diffuse),
+            specular: list(&self.specular),
+            spot_direction: self.spot_direction.map(single),
+            spot_exponent: single(self.spot_exponent),
+            spot_cutoff: single(self.spot_cutoff),
+            attenuation: self.attenuation.map(single),
+        }
+    }
+}
+
+impl CaseMaterial {
+    /// With every number rounded to f32, as OpenGL takes it.
+    pub(crate) fn rounded(&self) -> Self {
+        let single = |x: f64| f64::from(x as f32);
+        let list = |v: &[f64]| v.iter().copied().map(single).collect();
+        Self {
+            emission: list(&self.emission),
+            ambient: list(&self.ambient),
+            diffuse: list(&self.diffuse),
+            specular: list(&self.specular),
+            shininess: single(self.shininess),
+        }
+    }
+
+    /// As glMaterial sets it.
+    pub(crate) fn material(&self) -> Material {
+        Material {
+            emission: rgb(&self.emission),
+            ambient: rgb(&self.ambient),
+            diffuse: rgb(&self.diffuse),
+            specular: rgb(&self.specular),
+            alpha: self.diffuse.get(3).copied().unwrap_or(1.0),
+            shininess: self.shininess,
+        }
+    }
+}
+
 /// Red, green, blue of a colour with three or four components.
-fn rgb(list: &[f64]) -> [f64; 3] {
+pub(crate) fn rgb(list: &[f64]) -> [f64; 3] {
     [0, 1, 2].map(|c| list.get(c).copied().unwrap_or(0.0))
 }
 
@@ -334,7 +379,7 @@ pub(crate) fn signed(lights: &[LightSource], materials: &[&Material], model: &Li
     scene.has_negative_colors()
 }
 
-fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
+pub(crate) fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
     let position = *eye_from_light * DVec4::from_array(light.position);
     let spot = DMat3::from_mat4(*eye_from_light) * DVec3::from_array(light.spot_direction);
     LightSource {
@@ -355,14 +400,7 @@ fn material(case: &Case, back: bool) -> Result<Material, Failure> {
         Some(given) if back => given,
         _ => &case.material,
     };
-    let mut material = Material {
-        emission: rgb(&given.emission),
-        ambient: rgb(&given.ambient),
-        diffuse: rgb(&given.diffuse),
-        specular: rgb(&given.specular),
-        alpha: given.diffuse.get(3).copied().unwrap_or(1.0),
-        shininess: given.shininess,
-    };
+    let mut material = given.material();
     let Some(tracking) = &case.color_material else {
         return Ok(material);
     };

@@ -1,4 +1,7 @@
-//! The cases for numerical stability, kind `light` (others are left out of the answer).
+//! The cases for numerical stability, kinds `light`, `raster`, `near`, `persp` and `depth` (others are left out of the
+//! answer).
+//!
+//! Coverage is decided on the vertices as given, whatever the precision; interpolated values are rounded to it.
 
 use std::io::Write;
 
@@ -6,7 +9,10 @@ use rastray::gl::{LightModel, LightSource, Material};
 use rastray::lanes::{Isa, Real};
 use rastray::lighting::{Points, Rig, Sink, shade, to_viewer};
 use rastray::math::float::normalize;
+use rastray::raster::{Run, coverage, coverage_clip_space, depth_key, perspective_weights};
+use rastray::scene::Snap;
 use serde::Deserialize;
+use serde_json::{Value, json};
 
 use super::{Failure, number};
 
@@ -14,7 +20,7 @@ use super::{Failure, number};
 struct Case {
     id: String,
     kind: String,
-    evals: Vec<serde_json::Value>,
+    evals: Vec<Value>,
 }
 
 /// One evaluation of kind `light`, eye space.
@@ -51,24 +57,112 @@ struct CaseLight {
     kq: f64,
 }
 
+/// One evaluation of kind `raster`, pixel frame.
+#[derive(Deserialize)]
+struct Triangles {
+    tris: Vec<[[f64; 2]; 3]>,
+    origin: [i64; 2],
+    size: [u32; 2],
+}
+
+/// One evaluation of kind `near` or `persp`: a triangle in clip space.
+#[derive(Deserialize)]
+struct ClipTriangle {
+    clip: [[f64; 4]; 3],
+    size: [u32; 2],
+    #[serde(default)]
+    attr: [f64; 3],
+    #[serde(default)]
+    px: Vec<[f64; 2]>,
+}
+
+/// One evaluation of kind `depth`: two distances along -z.
+#[derive(Deserialize)]
+struct Distances {
+    z1: f64,
+    z2: f64,
+}
+
 /// Writes the answer object.
-pub(crate) fn answer<R: Real>(text: &str, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn answer<R: Real>(text: &str, snap: Snap, out: &mut impl Write) -> Result<(), Failure> {
     let cases: Vec<Case> = serde_json::from_str(text)?;
     let mut answers = serde_json::Map::new();
-    for case in cases.into_iter().filter(|case| case.kind == "light") {
-        let mut list = Vec::new();
-        for evaluation in case.evals {
-            let rgb = light::<R>(Isa::detect(), evaluation)?.map(number);
-            list.push(serde_json::json!({ "rgb": rgb }));
+    for case in cases {
+        let evaluate = |evaluation: Value| -> Result<Option<Value>, Failure> {
+            Ok(Some(match case.kind.as_str() {
+                "light" => {
+                    let rgb = light::<R>(Isa::detect(), evaluation)?.map(number);
+                    json!({ "rgb": rgb })
+                }
+                "raster" => raster(evaluation, snap)?,
+                "near" => near(evaluation, snap)?,
+                "persp" => persp::<R>(evaluation)?,
+                "depth" => depth(evaluation)?,
+                _ => return Ok(None),
+            }))
+        };
+        let list: Result<Option<Vec<Value>>, Failure> =
+            case.evals.into_iter().map(evaluate).collect();
+        if let Some(list) = list? {
+            answers.insert(case.id, list.into());
         }
-        answers.insert(case.id, list.into());
     }
-    writeln!(out, "{}", serde_json::Value::from(answers))?;
+    writeln!(out, "{}", Value::from(answers))?;
     Ok(())
 }
 
+/// Runs as the answers write them.
+fn runs(list: &[Run]) -> Vec<[i64; 3]> {
+    list.iter().map(|run| [run.y, run.x0, run.x1]).collect()
+}
+
+/// The pixels of each triangle.
+pub(crate) fn raster(case: Value, snap: Snap) -> Result<Value, Failure> {
+    let case: Triangles = serde_json::from_value(case)?;
+    let cover = |t: &[[f64; 2]; 3]| runs(&coverage(*t, case.origin, case.size, snap));
+    let tris: Vec<_> = case.tris.iter().map(cover).collect();
+    let snap = match snap {
+        Snap::Bits8 => json!(8),
+        Snap::Bits12 => json!(12),
+        Snap::Exact => json!("exact"),
+    };
+    Ok(json!({ "snap": snap, "tris": tris }))
+}
+
+/// The pixels of a triangle that may cross the near plane.
+pub(crate) fn near(case: Value, snap: Snap) -> Result<Value, Failure> {
+    let case: ClipTriangle = serde_json::from_value(case)?;
+    Ok(json!({ "runs": runs(&coverage_clip_space(case.clip, case.size, snap)) }))
+}
+
+/// An attribute and w at pixel centres; null where the triangle is seen edge-on.
+pub(crate) fn persp<R: Real>(case: Value) -> Result<Value, Failure> {
+    let case: ClipTriangle = serde_json::from_value(case)?;
+    let corners = case.clip.map(|[x, y, _, w]| [x, y, w]);
+    let [width, height] = case.size.map(f64::from);
+    let at = |&[x, y]: &[f64; 2]| {
+        let ndc = [
+            (2.0 * (x + 0.5) - width) / width,
+            (height - 2.0 * (y + 0.5)) / height,
+        ];
+        let b = perspective_weights(corners, ndc)?;
+        let sum = |v: [f64; 3]| R::from_f64(b[0] * v[0] + b[1] * v[1] + b[2] * v[2]).to_f64();
+        Some([sum(case.attr), sum(corners.map(|h| h[2]))].map(number))
+    };
+    let v: Vec<_> = case.px.iter().map(at).collect();
+    Ok(json!({ "v": v }))
+}
+
+/// Which of two distances is closer; 0 = neither.
+pub(crate) fn depth(case: Value) -> Result<Value, Failure> {
+    let case: Distances = serde_json::from_value(case)?;
+    let (first, second) = (depth_key(case.z1), depth_key(case.z2));
+    let closer = i32::from(first > second) + 2 * i32::from(second > first);
+    Ok(json!({ "closer": closer }))
+}
+
 /// One evaluation at an instruction set.
-pub(crate) fn light<R: Real>(isa: Isa, case: serde_json::Value) -> Result<[f64; 3], Failure> {
+pub(crate) fn light<R: Real>(isa: Isa, case: Value) -> Result<[f64; 3], Failure> {
     let case: Evaluation = serde_json::from_value(case)?;
     let material = Material {
         emission: case.material.emission,

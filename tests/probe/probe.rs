@@ -1,20 +1,24 @@
 //! The conformance adapter: answers reference cases by calling the functions that the renderers call.
 //!
 //! `probe cases --cases FILE.json[.gz] --precision f32|f64`, `probe gl-lights --precision f32|f64 < light-cases.jsonl`,
-//! `probe lighting < cases.jsonl`. Answers go to standard output, one JSON value a line; errors to standard error,
-//! exit code 2.
+//! `probe lighting < cases.jsonl`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`. Answers go to
+//! standard output, one JSON value a line, those of `gl-scene` to files; errors to standard error, exit code 2.
 
 mod gl_lights;
+mod gl_scene;
 mod numerics;
 
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
+use rastray::scene::Snap;
+
 /// Anything that stops the program, as one sentence.
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64
+const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64 [--snap 8|12|exact]
        probe gl-lights --precision f32|f64 < light-cases.jsonl
+       probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12|exact]
        probe lighting < cases.jsonl";
 
 fn main() -> ExitCode {
@@ -30,10 +34,17 @@ fn main() -> ExitCode {
 
 fn run(arguments: &[String]) -> Result<(), Failure> {
     let command = arguments.first().map_or("", String::as_str);
+    if command == "gl-scene" {
+        return gl_scene(arguments);
+    }
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match (command, precision(arguments)?) {
-        ("cases", Precision::F32) => numerics::answer::<f32>(&cases_file(arguments)?, &mut out)?,
-        ("cases", Precision::F64) => numerics::answer::<f64>(&cases_file(arguments)?, &mut out)?,
+        ("cases", Precision::F32) => {
+            numerics::answer::<f32>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+        }
+        ("cases", Precision::F64) => {
+            numerics::answer::<f64>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+        }
         ("gl-lights", Precision::F32) => each_line(&mut out, gl_lights::answer::<f32>)?,
         ("gl-lights", Precision::F64) => each_line(&mut out, gl_lights::answer::<f64>)?,
         ("lighting", _) => each_line(&mut out, gl_lights::terms)?,
@@ -41,6 +52,30 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     out.flush()?;
     Ok(())
+}
+
+/// Draws a scene into the files of a prefix; f32, as OpenGL computes, unless told otherwise.
+fn gl_scene(arguments: &[String]) -> Result<(), Failure> {
+    let path = arguments.get(1).ok_or(USAGE)?;
+    let prefix = option(arguments, "-o").ok_or(USAGE)?;
+    let shading = gl_scene::shading(option(arguments, "--shading").ok_or(USAGE)?)?;
+    let folder = std::path::Path::new(path).parent().unwrap_or("".as_ref());
+    let text = file(path)?;
+    let stated = option(arguments, "--precision").is_some();
+    let buffers = match precision(arguments)? {
+        Precision::F64 if stated => gl_scene::draw::<f64>(&text, folder, shading, snap(arguments)?),
+        _ => gl_scene::draw::<f32>(&text, folder, shading, snap(arguments)?),
+    };
+    buffers.map_err(|e| format!("{path}: {e}"))?.write(prefix)
+}
+
+fn snap(arguments: &[String]) -> Result<Snap, Failure> {
+    match option(arguments, "--snap") {
+        None | Some("8") => Ok(Snap::Bits8),
+        Some("12") => Ok(Snap::Bits12),
+        Some("exact") => Ok(Snap::Exact),
+        Some(other) => Err(format!("--snap: expected 8, 12 or exact, found {other:?}").into()),
+    }
 }
 
 enum Precision {
@@ -62,9 +97,13 @@ fn precision(arguments: &[String]) -> Result<Precision, Failure> {
     }
 }
 
-/// The text of `--cases FILE`, unpacked where the name says so.
+/// The text of `--cases FILE`.
 fn cases_file(arguments: &[String]) -> Result<String, Failure> {
-    let path = option(arguments, "--cases").ok_or(USAGE)?;
+    file(option(arguments, "--cases").ok_or(USAGE)?)
+}
+
+/// The text of a file, unpacked where its name says so.
+fn file(path: &str) -> Result<String, Failure> {
     let bytes = std::fs::read(path).map_err(|e| format!("{path}: {e}"))?;
     let mut text = String::new();
     if path.ends_with(".gz") {

@@ -114,6 +114,9 @@ impl<'a> Reader<'a> {
         if let Some(range) = depth_range(&section)? {
             raster.depth_range = range;
         }
+        if let Some(depth_test) = section.bool("depth_test")? {
+            raster.depth_test = depth_test;
+        }
         if let Some(snap) = snap(&section)? {
             raster.snap = snap;
         }
@@ -299,12 +302,7 @@ fn snap(section: &Section<'_>) -> Result<Option<Snap>, Error> {
     match &node.value {
         Value::Integer(8) => Ok(Some(Snap::Bits8)),
         Value::Integer(12) => Ok(Some(Snap::Bits12)),
-        Value::Text(text) if text == "exact" => Err(unsupported(
-            section.document,
-            node,
-            "snap = \"exact\"",
-            "this version rounds vertices to 8 or 12 sub-pixel bits",
-        )),
-        _ => Err(section.mismatch("snap", node, "8 or 12")),
+        Value::Text(text) if text == "exact" => Ok(Some(Snap::Exact)),
+        _ => Err(section.mismatch("snap", node, "8, 12 or \"exact\"")),
     }
 }

@@ -289,13 +289,20 @@ impl Driver {
                 v.parameter, v.value, v.legal
             ));
         }
-        let most = self.info.max_lights;
-        (options.clamp && lights.len() > most).then(|| {
-            format!(
-                "colours of {} lights are clamped, and GL holds {most}",
-                lights.len()
-            )
-        })
+        let (count, most) = (lights.len(), self.info.max_lights);
+        if count <= most {
+            return None;
+        }
+        match (options.clamp, scene.raster.depth_test) {
+            (true, _) => Some(format!(
+                "colours of {count} lights are clamped, and GL holds {most}"
+            )),
+            // Passes add up by equal depths.
+            (false, false) => Some(format!(
+                "{count} lights without a depth test, and GL holds {most}"
+            )),
+            (false, true) => None,
+        }
     }
 }
 

@@ -70,7 +70,7 @@ pub(super) fn set_light_model(gl: &Gl, model: &LightModel, whole: bool) {
 pub(super) fn set_scene(gl: &Gl, scene: &Scene, shading: ShadeModel, clamp: bool) {
     let image = &scene.image;
     gl.viewport(0, 0, image.width as i32, image.height as i32);
-    gl.enable(api::DEPTH_TEST);
+    switch(gl, api::DEPTH_TEST, scene.raster.depth_test);
     gl.depth_func(api::LESS);
     gl.depth_mask(1);
     let [near, far] = scene.raster.depth_range;
