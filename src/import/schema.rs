@@ -163,7 +163,7 @@ fn structure(kind: Kind) -> Value {
     let any = number(Range::Any);
     match kind {
         Kind::Numbers => {
-            let nested = json!({ "type": "array", "items": numbers(2, 3) });
+            let nested = json!({ "type": "array", "items": numbers(2, 4) });
             any_of(&[json!({ "type": "array", "items": any }), nested])
         }
         Kind::Corners => any_of(&[numbers(12, 12), list(&numbers(3, 3), 4, 4)]),
@@ -187,6 +187,10 @@ fn structure(kind: Kind) -> Value {
             rotation["required"] = json!(["axis", "degrees"]);
             rotation
         }
+        Kind::ColorMaterial => any_of(&[
+            json!({ "type": "boolean" }),
+            section(&[keys::COLOR_MATERIAL], "As glColorMaterial takes it"),
+        ]),
         Kind::Back => section(&[keys::SURFACE], "The material of back faces"),
         _ => json!({}),
     }

@@ -69,6 +69,7 @@ const SCENES: &[Shipped] = scenes! {
         "box-room",
         "facing-mirrors",
         "glass-slab",
+        "vertex-colours",
     ],
 };
 

@@ -43,6 +43,8 @@ pub struct Site<R> {
     pub position_eye: [R; 3],
     /// Shading normal of the front side, eye space, unit (or zero).
     pub normal_eye: [f64; 3],
+    /// Vertex colour, where some material of the scene follows it.
+    pub color: Option<[R; 3]>,
     /// Index into the scene's objects.
     pub object: u32,
     /// Index into the scene's materials.
@@ -260,6 +262,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             foot,
             position_eye: eye.to_array().map(R::from_f64),
             normal_eye: unit(self.rotation * foot.normal).to_array(),
+            color: (!self.assembly.color[0].is_empty()).then_some([R::ONE; 3]),
             object: solid.object,
             material: self.solid_material(solid, tile),
             back: hit.back != self.front_is_clockwise(),
@@ -300,6 +303,10 @@ impl<'a, R: Real> Surfaces<'a, R> {
             foot,
             position_eye: blend(eye).map(R::from_f64),
             normal_eye: unit(DVec3::from_array(blend(normals))).to_array(),
+            color: a.vertex_color(triangle[0]).map(|first| {
+                let corner = |v: u32| a.vertex_color(v).unwrap_or(first);
+                blend(triangle.map(corner).map(|c| c.map(Real::to_f64))).map(R::from_f64)
+            }),
             object: a.object[hit.item as usize],
             material: a.material[hit.item as usize],
             back: hit.back != self.front_is_clockwise(),

@@ -16,6 +16,7 @@ use super::surface::Site;
 use super::{Counters, MAX_RAYS, Options, Plan};
 use crate::error::Error;
 use crate::frame::{LayerIndex, NONE};
+use crate::gl;
 use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
 use crate::math::{DMat3, DVec2, DVec3};
@@ -92,7 +93,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let index = LayerIndex {
             lights: plan.lamps.len(),
         };
-        let signed = plan.scene.has_negative_colors();
+        let signed = plan.signed;
         let layers = if options.layers { index.count() } else { 0 };
         let black = || vec![[R::ZERO; 3]; pixels];
         Self {
@@ -243,6 +244,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let (normal, viewer) = (real(normal), real(viewer));
         self.batches
             .push(surface, tag, site.position_eye, normal, viewer);
+        if let Some(color) = site.color
+            && self.plan.material(surface).tracked.any()
+        {
+            self.batches.batch(surface).points.push_color(color);
+        }
         self.counters.shaded_points += 1;
     }
 
@@ -311,12 +317,17 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     fn shade(&mut self, batch: &Batch<R>, sites: &[Option<Site<R>>], record: bool) -> Terms<R> {
         let plan = self.plan;
         let material = plan.material(batch.surface);
+        // Where terms follow the vertex colour, any light that it reflects may be shadowed.
+        let white = material
+            .tracked
+            .any()
+            .then(|| material.with_color(gl::CURRENT_COLOR));
         let mut shadows = Shadows {
             surfaces: &plan.surfaces,
             scene: plan.scene,
             lamps: &plan.lamps,
             sources: &plan.sources,
-            material,
+            material: white.as_ref().unwrap_or(material),
             ask_all: plan.model == Model::Full,
             sites,
             tags: &batch.tags,

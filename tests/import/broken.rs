@@ -236,8 +236,8 @@ const SECTIONS: &[(&str, &str, &str)] = &[
         "did you mean `phong`?",
     ),
     (
-        "[light_model]\ncolor_material = true\n",
-        "2:18 `color_material` is not supported: there are no vertex colours yet for it to read",
+        "[light_model]\ncolor_material = \"diffuse\"\n",
+        "2:18 color_material: expected true, false or a table { face, mode }, found the string \"diffuse\"",
         "",
     ),
     (
