@@ -53,21 +53,21 @@ impl Weights {
         self.nearest(ray, e)
     }
 
-    /// [`Weights::at`] held to `near <= distance <= far`, for corners at these distances: a sample that only the snapping of
+    /// [`Weights::at`] held to `near <= distance` and `reach <= far`, for corners at these distances: a sample that only the snapping of
     /// a clipped side gave to the triangle moves to that side.
     #[inline]
     pub(super) fn between(
         &self,
         ray: [f64; 2],
         distance: [f64; 3],
+        reach: [f64; 3],
         [near, far]: [f64; 2],
     ) -> [f64; 3] {
         let b = self.at(ray);
-        let found = mix(b, distance);
-        let bound = if found < near {
-            near
-        } else if found > far {
-            far
+        let (distance, bound) = if mix(b, distance) < near {
+            (distance, near)
+        } else if far < f64::INFINITY && mix(b, reach) > far {
+            (reach, far)
         } else {
             return b;
         };

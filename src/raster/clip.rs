@@ -67,6 +67,7 @@ fn between(a: &Vertex, b: &Vertex, d_a: f64, d_b: f64) -> Vertex {
         y: mix(a.y, b.y),
         w: mix(a.w, b.w),
         distance: mix(a.distance, b.distance),
+        reach: mix(a.reach, b.reach),
     }
 }
 
@@ -74,7 +75,7 @@ fn between(a: &Vertex, b: &Vertex, d_a: f64, d_b: f64) -> Vertex {
 pub(super) fn clip(view: &View, corners: [Vertex; 3]) -> Polygon {
     let mut polygon = Polygon::triangle(corners).cut(|v| v.distance - view.near);
     if view.far < f64::INFINITY {
-        polygon = polygon.cut(|v| view.far - v.distance);
+        polygon = polygon.cut(|v| view.far - v.reach);
     }
     if polygon.vertices().iter().any(|v| view.snap(v).is_none()) {
         // Half the guard, so that the picture's own offset and rounding stay inside the whole.

@@ -43,6 +43,7 @@ pub fn coverage(
         y,
         w: 1.0,
         distance: 1.0,
+        reach: 1.0,
     });
     covered(&View::pixels(snap), corners, origin, size)
 }
@@ -54,6 +55,7 @@ pub fn coverage_clip_space(triangle: [[f64; 4]; 3], size: [u32; 2], snap: Snap) 
         y,
         w,
         distance: z + w,
+        reach: z + w,
     });
     covered(&View::clip_space(size, snap), corners, [0, 0], size)
 }

@@ -260,7 +260,7 @@ impl<'a, R: Real> Plan<'a, R> {
             .into_par_iter()
             .map(|(x, y, z)| {
                 let v = self.view.vertex([x, y, z].map(|x| x.to_f64()));
-                let inside = v.distance >= self.view.near && v.distance <= self.view.far;
+                let inside = v.distance >= self.view.near && v.reach <= self.view.far;
                 let small = |p: &[i64; 2]| p.iter().all(|c| c.abs() <= edges::SMALL_UNITS);
                 match self.view.snap(&v).filter(small) {
                     Some(place) if inside => place.map(|c| c as i32),
@@ -302,6 +302,10 @@ impl<'a, R: Real> Plan<'a, R> {
         match camera.projection {
             Projection::Perspective { .. } => [direction.x, direction.y],
             Projection::Orthographic { .. } => [origin.x, origin.y],
+            Projection::Matrix(_) => [
+                2.0 * x / f64::from(width) - 1.0,
+                1.0 - 2.0 * y / f64::from(height),
+            ],
         }
     }
 }

@@ -13,6 +13,7 @@ use super::clip::{Polygon, clip};
 use super::edges::{Edges, SAMPLE_BITS, SMALL_UNITS, double_area};
 use super::view::{Vertex, View, orientation};
 use crate::scene::Cull;
+use crate::scene::projection::Form;
 
 /// Side of a screen tile in pixels.
 pub(super) const TILE: usize = 64;
@@ -311,7 +312,7 @@ impl<'a> Builder<'a> {
         if f64::from(range[1]) < most {
             range[1] = range[1].next_up();
         }
-        (key_plane(self.view.perspective, corners), range)
+        (key_plane(self.view.form, corners), range)
     }
 
     fn push(
@@ -378,7 +379,11 @@ pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2]
 
 /// k0, kx, ky with key = k0 + kx X + ky Y on the triangle's plane. May be infinite or NaN for planes that are all but
 /// edge-on; the range bounds what is used.
-fn key_plane(perspective: bool, corners: &[Vertex; 3]) -> [f64; 3] {
+fn key_plane(form: Form, corners: &[Vertex; 3]) -> [f64; 3] {
+    if form == Form::General {
+        return general_key_plane(corners);
+    }
+    let perspective = form == Form::Perspective;
     let point = |v: &Vertex| [v.x, v.y, if perspective { v.w } else { -v.distance }];
     let [p0, p1, p2] = [0, 1, 2].map(|i| point(&corners[i]));
     let (u, v) = (subtract(p1, p0), subtract(p2, p0));
@@ -394,6 +399,29 @@ fn key_plane(perspective: bool, corners: &[Vertex; 3]) -> [f64; 3] {
         let (kx, ky) = (-n[0] / n[2], -n[1] / n[2]);
         [p0[2] - kx * p0[0] - ky * p0[1], kx, ky]
     }
+}
+
+/// The key is -reach / w: the plane over (x, y, w) with those values at the three corners, by Cramer's rule.
+fn general_key_plane(corners: &[Vertex; 3]) -> [f64; 3] {
+    let h = corners.map(|v| v.homogeneous());
+    let mut key = [0.0; 3];
+    let mut det = 0.0;
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let (p, q) = (h[j], h[k]);
+        let side = [
+            p[1] * q[2] - p[2] * q[1],
+            p[2] * q[0] - p[0] * q[2],
+            p[0] * q[1] - p[1] * q[0],
+        ];
+        if i == 0 {
+            det = h[0][0] * side[0] + h[0][1] * side[1] + h[0][2] * side[2];
+        }
+        let value = -corners[i].reach;
+        key[0] += value * side[2];
+        key[1] += value * side[0];
+        key[2] += value * side[1];
+    }
+    key.map(|k| k / det)
 }
 
 fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -71,6 +71,7 @@ struct Current {
     primitive: u32,
     weights: Weights,
     distance: [f64; 3],
+    reach: [f64; 3],
     corners: [u32; 3],
     surface: usize,
     points: [u32; 3],
@@ -153,7 +154,7 @@ impl<R: Real> Workspace<R> {
                 }
                 let Some(seen) = &current else { continue };
                 let ray = pass.samples.ray(x, y);
-                let weights = seen.weights.between(ray, seen.distance, range);
+                let weights = seen.weights.between(ray, seen.distance, seen.reach, range);
                 let mut points = seen.points;
                 if pass.mode.shading == ShadeModel::Phong {
                     let tag = self.fragments.len() as u32;
@@ -191,6 +192,7 @@ impl<R: Real> Workspace<R> {
             primitive,
             weights: Weights::new(homogeneous),
             distance: vertices.map(|v| v.distance),
+            reach: vertices.map(|v| v.reach),
             corners,
             surface,
             points,
@@ -271,7 +273,7 @@ impl<R: Real> Workspace<R> {
         let shown = &mut self.shown;
         shown.primitive.copy_from_slice(&self.visibility.primitive);
         shown.depth.fill(R::INFINITY);
-        let [near, far] = [plan.view.near, plan.view.far];
+        let [near, far] = plan.view.depth_bounds();
         let z = &plan.assembly.position_eye[2];
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);

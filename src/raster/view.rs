@@ -4,8 +4,11 @@
 //! GL's clip coordinates are used up to positive factors of a row: x and y stay in scene units (the frustum's half extent
 //! enters with the window transform), w is the distance along -z for a perspective view and 1 for an orthographic one, and
 //! GL's `z + w >= 0` and `z <= w` (GL 2.1 section 2.12) read `near <= distance <= far`. So the near test, the facing and
-//! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts.
+//! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts. A camera that is a
+//! projection matrix gives clip x and y instead, over normalized device coordinates; where the matrix is neither a frustum nor
+//! a box ([`Form::General`]), z + w >= 0 and z - w <= 0 take the place of the distance and its bounds.
 
+use crate::scene::projection::{Form, Lens};
 use crate::scene::{Camera, FrontFace, Projection, Snap};
 
 /// Guard band in snapped units: beyond it x and y are clipped, so that the integers of `edges` cannot overflow.
@@ -21,8 +24,10 @@ pub(super) struct Vertex {
     pub(super) y: f64,
     /// Divisor: the distance (perspective) or 1 (orthographic).
     pub(super) w: f64,
-    /// Distance along -z: what the near and far planes bound.
+    /// Distance along -z, or z + w: what the near plane bounds.
     pub(super) distance: f64,
+    /// Distance along -z, or z - w: what the far plane bounds.
+    pub(super) reach: f64,
 }
 
 impl Vertex {
@@ -34,7 +39,11 @@ impl Vertex {
     /// All coordinates are finite.
     pub(super) fn is_finite(&self) -> bool {
         // A sum of finite numbers may overflow, so each is asked.
-        self.x.is_finite() && self.y.is_finite() && self.w.is_finite() && self.distance.is_finite()
+        self.x.is_finite()
+            && self.y.is_finite()
+            && self.w.is_finite()
+            && self.distance.is_finite()
+            && self.reach.is_finite()
     }
 }
 
@@ -47,11 +56,13 @@ pub(super) struct View {
     pub(super) center: [f64; 2],
     /// Sub-pixel bits of the snap.
     pub(super) bits: u32,
-    /// The divisor is the distance.
-    pub(super) perspective: bool,
-    /// Smallest distance drawn.
+    /// What a depth key is made of.
+    pub(super) form: Form,
+    /// The camera's matrix, where it has one.
+    lens: Option<Lens>,
+    /// Smallest [`Vertex::distance`] drawn.
     pub(super) near: f64,
-    /// Largest distance drawn; +infinity where there is none.
+    /// Largest [`Vertex::reach`] drawn; +infinity where there is none.
     pub(super) far: f64,
     /// +1 where counter-clockwise (y up) is the front, -1 where clockwise is.
     pub(super) front_sign: i32,
@@ -62,13 +73,25 @@ impl View {
     pub(super) fn new(camera: &Camera, size: [u32; 2], snap: Snap, front_face: FrontFace) -> Self {
         let [width, height] = size.map(f64::from);
         let half = camera.half_extent(width / height);
+        let lens = camera.lens();
+        let form = match camera.projection {
+            Projection::Perspective { .. } => Form::Perspective,
+            Projection::Orthographic { .. } => Form::Orthographic,
+            Projection::Matrix(_) => lens.map_or(Form::General, |lens| lens.form),
+        };
+        let [near, far] = match (form, &lens) {
+            (Form::General, _) => [0.0, 0.0],
+            (_, Some(lens)) => lens.bounds,
+            (_, None) => [camera.near, camera.far.unwrap_or(f64::INFINITY)],
+        };
         Self {
             scale: [width / 2.0 / half.x, height / 2.0 / half.y],
             center: [width / 2.0, height / 2.0],
             bits: snap.bits(),
-            perspective: matches!(camera.projection, Projection::Perspective { .. }),
-            near: camera.near,
-            far: camera.far.unwrap_or(f64::INFINITY),
+            form,
+            lens,
+            near,
+            far,
             front_sign: match front_face {
                 FrontFace::Ccw => 1,
                 FrontFace::Cw => -1,
@@ -82,7 +105,8 @@ impl View {
             scale: [1.0, -1.0],
             center: [0.0; 2],
             bits: snap.bits(),
-            perspective: true,
+            form: Form::Perspective,
+            lens: None,
             near: 0.0,
             far: f64::INFINITY,
             front_sign: 1,
@@ -101,12 +125,37 @@ impl View {
 
     /// An eye-space point, homogeneous.
     pub(super) fn vertex(&self, eye: [f64; 3]) -> Vertex {
+        if let Some(lens) = &self.lens {
+            return self.through(lens, eye);
+        }
         let distance = -eye[2];
         Vertex {
             x: eye[0],
             y: eye[1],
-            w: if self.perspective { distance } else { 1.0 },
+            w: match self.form {
+                Form::Orthographic => 1.0,
+                Form::Perspective | Form::General => distance,
+            },
             distance,
+            reach: distance,
+        }
+    }
+
+    /// An eye-space point through a projection matrix.
+    fn through(&self, lens: &Lens, eye: [f64; 3]) -> Vertex {
+        let [x, y, z, w] = lens.clip(eye);
+        let distance = -eye[2];
+        let (w, distance, reach) = match self.form {
+            Form::Perspective => (distance, distance, distance),
+            Form::Orthographic => (1.0, distance, distance),
+            Form::General => (w, z + w, z - w),
+        };
+        Vertex {
+            x,
+            y,
+            w,
+            distance,
+            reach,
         }
     }
 
@@ -133,12 +182,21 @@ impl View {
         1 << self.bits
     }
 
-    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far) or -distance.
+    /// The least and the greatest distance along -z that the picture can show.
+    pub(super) fn depth_bounds(&self) -> [f64; 2] {
+        match self.form {
+            Form::General => [f64::NEG_INFINITY, f64::INFINITY],
+            Form::Perspective | Form::Orthographic => [self.near, self.far],
+        }
+    }
+
+    /// Larger = closer, and affine in the picture: 1 / distance (perspective; reversed, infinite far), -distance
+    /// (orthographic), or (w - z) / w.
     pub(super) fn depth_key(&self, v: &Vertex) -> f64 {
-        if self.perspective {
-            1.0 / v.w
-        } else {
-            -v.distance
+        match self.form {
+            Form::Perspective => 1.0 / v.w,
+            Form::Orthographic => -v.distance,
+            Form::General => -v.reach / v.w,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The camera: one description gives the rasterizer's matrix and the tracer's pixel directions.
 
+use super::projection::Lens;
 use crate::math::{DMat3, DMat4, DVec2, DVec3};
 
 /// How eye space becomes a picture.
@@ -15,6 +16,9 @@ pub enum Projection {
         /// Height of the view, scene units.
         height: f64,
     },
+    /// A projection matrix as GL holds it: clip = matrix x eye. Near and far are its planes z = -w and z = w; the camera's own
+    /// are not used. One that cannot be inverted shows nothing.
+    Matrix(DMat4),
 }
 
 /// Where the picture is taken from.
@@ -64,17 +68,30 @@ impl Camera {
         self.eye_from_world_rotation() * (point_world - self.eye)
     }
 
-    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one.
+    /// The projection matrix taken apart, where the camera has one and it can be inverted.
+    pub fn lens(&self) -> Option<Lens> {
+        match &self.projection {
+            Projection::Matrix(matrix) => Lens::new(matrix),
+            Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
+        }
+    }
+
+    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one, 1 (those of
+    /// ndc) for a matrix.
     pub fn half_extent(&self, aspect: f64) -> DVec2 {
         let half_height = match self.projection {
             Projection::Perspective { fovy_deg } => libm::tan(fovy_deg.to_radians() / 2.0),
             Projection::Orthographic { height } => height / 2.0,
+            Projection::Matrix(_) => return DVec2::ONE,
         };
         DVec2::new(half_height * aspect, half_height)
     }
 
     /// glFrustum's or glOrtho's matrix for a picture of this width / height. An infinite far plane takes the limit.
     pub fn clip_from_eye(&self, aspect: f64) -> DMat4 {
+        if let Projection::Matrix(matrix) = self.projection {
+            return matrix;
+        }
         let half = self.half_extent(aspect);
         let near = self.near;
         let (sx, sy) = (1.0 / half.x, 1.0 / half.y);
@@ -91,7 +108,7 @@ impl Camera {
                     sx, 0.0, 0.0, 0.0, 0.0, sy, 0.0, 0.0, 0.0, 0.0, a, -1.0, 0.0, 0.0, b, 0.0,
                 ])
             }
-            (Projection::Orthographic { .. }, far) => {
+            (_, far) => {
                 // An infinite depth range has no orthographic matrix: z is kept as -1 at near, growing linearly.
                 let (a, b) = match far {
                     Some(far) => (-2.0 / (far - near), -(far + near) / (far - near)),
@@ -107,7 +124,8 @@ impl Camera {
     /// The primary ray through a place of the pixel frame (x right, y down, in pixels), in eye space.
     ///
     /// The one function that both renderers take a pixel's ray from. The direction is not normalised: its z is -1, so
-    /// that the parameter t of a hit is its distance from the eye plane along -z.
+    /// that the parameter t of a hit is its distance from the eye plane along -z (but for matrices that are neither a frustum
+    /// nor a box: [`Lens::ray`]). No direction where a matrix has no inverse.
     pub fn primary_ray(&self, place: DVec2, width: u32, height: u32) -> (DVec3, DVec3) {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let half = self.half_extent(size.x / size.y);
@@ -116,6 +134,21 @@ impl Camera {
         match self.projection {
             Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (DVec3::new(x, y, 0.0), DVec3::NEG_Z),
+            Projection::Matrix(_) => self.lens().map_or((DVec3::ZERO, DVec3::ZERO), |lens| {
+                lens.ray(DVec2::new(x, y))
+            }),
+        }
+    }
+
+    /// The least and the largest parameter of [`Self::primary_ray`]: the near and the far plane.
+    pub fn ray_range(&self, place: DVec2, width: u32, height: u32) -> [f64; 2] {
+        match self.lens() {
+            None => [self.near, self.far.unwrap_or(f64::INFINITY)],
+            Some(lens) => {
+                let x = 2.0 * place.x / f64::from(width) - 1.0;
+                let y = 1.0 - 2.0 * place.y / f64::from(height);
+                lens.ray_range(DVec2::new(x, y))
+            }
         }
     }
 }

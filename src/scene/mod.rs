@@ -7,6 +7,7 @@ pub mod assembly;
 pub mod camera;
 pub mod fit;
 pub mod optics;
+pub mod projection;
 pub mod requirements;
 pub mod round;
 pub mod shape;

@@ -32,6 +32,7 @@ pub struct Surfaces<'a, R> {
     corners: Vec<[[R; 3]; 3]>,
     rotation: DMat3,
     eye: DVec3,
+    mirrors: bool,
 }
 
 /// What the tracer knows of a hit.
@@ -68,6 +69,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             corners: Vec::new(),
             rotation: scene.camera.eye_from_world_rotation(),
             eye: scene.camera.eye,
+            mirrors: scene.camera.lens().is_some_and(|lens| lens.mirrors),
         };
         let bounds: Vec<Bounds> = surfaces
             .items
@@ -237,8 +239,9 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Bounds::of(corners.map(|p| DVec3::from_array(p.map(Real::to_f64))))
     }
 
+    /// Seen along the ray: a picture that shows the mirror image turns windings round.
     fn front_is_clockwise(&self) -> bool {
-        self.scene.raster.front_face == scene::FrontFace::Cw
+        (self.scene.raster.front_face == scene::FrontFace::Cw) != self.mirrors
     }
 
     fn solid_material(&self, solid: &Solid, tile: u32) -> u32 {

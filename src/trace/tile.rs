@@ -136,40 +136,43 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     fn primary_paths(&mut self, index: u32) -> Vec<Path> {
-        let pixels = 0..self.area.width * self.area.height;
-        self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
+        let image = &self.plan.scene.image;
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| Path {
-            ray: Ray {
-                origin: camera.eye + world_from_eye * origin,
-                direction: world_from_eye * direction,
-                t_min: camera.near,
-                t_max: camera.far.unwrap_or(f64::INFINITY),
-                skip: NO_ITEM,
-            },
-            weight: [1.0; 3],
-            pixel: pixel as u32,
-            branch: Branch::Primary,
-            media: AIR,
-        };
-        self.eye_rays.iter().enumerate().map(path).collect()
+        self.eye_rays.clear();
+        let mut paths = Vec::new();
+        for pixel in 0..self.area.width * self.area.height {
+            let place = self.sample_place(pixel, index);
+            let (origin, direction) = camera.primary_ray(place, image.width, image.height);
+            let [t_min, t_max] = camera.ray_range(place, image.width, image.height);
+            self.eye_rays.push((origin, direction));
+            paths.push(Path {
+                ray: Ray {
+                    origin: camera.eye + world_from_eye * origin,
+                    direction: world_from_eye * direction,
+                    t_min,
+                    t_max,
+                    skip: NO_ITEM,
+                },
+                weight: [1.0; 3],
+                pixel,
+                branch: Branch::Primary,
+                media: AIR,
+            });
+        }
+        paths
     }
 
-    /// The primary ray of a pixel of the tile, eye space.
-    fn eye_ray(&self, pixel: u32, index: u32) -> (DVec3, DVec3) {
+    /// Where a sample of a pixel of the tile lies in the pixel frame.
+    fn sample_place(&self, pixel: u32, index: u32) -> DVec2 {
         let image = &self.plan.scene.image;
         let (x, y) = self.pixel_place(pixel);
         let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, index);
         let step = f64::from(sampling::SUBPIXEL);
-        let place = DVec2::new(
+        DVec2::new(
             f64::from(x) + f64::from(sx) / step,
             f64::from(y) + f64::from(sy) / step,
-        );
-        self.plan
-            .scene
-            .camera
-            .primary_ray(place, image.width, image.height)
+        )
     }
 
     fn pixel_place(&self, pixel: u32) -> (u32, u32) {
