@@ -616,7 +616,7 @@ fn vertex_colours_are_overwritten_materials<R: Real>(signed: bool) {
             let (mut sum, mut first, mut second) = Default::default();
             let mut terms = Vec::new();
             let isa = Isa::detect();
-            let mut go = |sink| {
+            let go = |sink| {
                 shade(
                     isa,
                     &rig,

@@ -1,6 +1,9 @@
 //! Cases in the form of glLight, glMaterial and a vertex: transformed and lit as the renderers do it.
 
-use rastray::gl::{ColorControl, LightModel, LightSource, Material, SpecularModel};
+use rastray::gl::{
+    ColorControl, ColorMaterial, ColorMaterialMode, Face, LightModel, LightSource, Material,
+    SpecularModel, Tracked,
+};
 use rastray::lanes::{Isa, Real};
 use rastray::lighting::{Illumination, Points, Rig, Sink, Visibility, shade, to_viewer};
 use rastray::math::color::clamp_rgb;
@@ -33,7 +36,7 @@ struct Case {
     separate_specular: bool,
     normalize: bool,
     rescale_normal: bool,
-    color_material: Option<ColorMaterial>,
+    color_material: Option<Tracking>,
     color: [f64; 4],
     shadow: Vec<Shadow>,
 }
@@ -62,7 +65,7 @@ struct CaseMaterial {
 }
 
 #[derive(Deserialize)]
-struct ColorMaterial {
+struct Tracking {
     face: String,
     mode: String,
 }
@@ -355,31 +358,30 @@ fn material(case: &Case, back: bool) -> Result<Material, Failure> {
         Some(given) if back => given,
         _ => &case.material,
     };
-    let mut material = Material {
+    let tracked = match &case.color_material {
+        None => Tracked::default(),
+        Some(setting) => ColorMaterial {
+            face: named(Face::NAMES, "face", &setting.face)?,
+            mode: named(ColorMaterialMode::NAMES, "mode", &setting.mode)?,
+        }
+        .tracked(back),
+    };
+    let material = Material {
         emission: rgb(&given.emission),
         ambient: rgb(&given.ambient),
         diffuse: rgb(&given.diffuse),
         specular: rgb(&given.specular),
         alpha: given.diffuse.get(3).copied().unwrap_or(1.0),
         shininess: given.shininess,
+        tracked,
     };
-    let Some(tracking) = &case.color_material else {
-        return Ok(material);
-    };
-    let side = if back { "back" } else { "front" };
-    if tracking.face == side || tracking.face == "front_and_back" {
-        let color = rgb(&case.color);
-        let alpha = case.color[3];
-        match tracking.mode.as_str() {
-            "emission" => material.emission = color,
-            "ambient" => material.ambient = color,
-            "diffuse" => (material.diffuse, material.alpha) = (color, alpha),
-            "specular" => material.specular = color,
-            "ambient_and_diffuse" => {
-                (material.ambient, material.diffuse, material.alpha) = (color, color, alpha);
-            }
-            other => return Err(format!("color_material: unknown mode {other:?}").into()),
-        }
-    }
-    Ok(material)
+    Ok(material.with_color(case.color))
+}
+
+/// The value of a name in a table of names.
+fn named<T: Copy>(table: &[(&str, T)], what: &str, name: &str) -> Result<T, Failure> {
+    let found = table.iter().find(|(n, _)| *n == name);
+    found
+        .map(|(_, value)| *value)
+        .ok_or_else(|| format!("color_material: unknown {what} {name:?}").into())
 }

@@ -76,7 +76,7 @@ pub(crate) fn light<R: Real>(isa: Isa, case: serde_json::Value) -> Result<[f64; 
         diffuse: case.material.diffuse,
         specular: case.material.specular,
         shininess: case.material.shininess,
-        alpha: 1.0,
+        ..Material::default()
     };
     let lights: Vec<LightSource> = case.lights.iter().map(source).collect();
     let model = LightModel {
