@@ -238,7 +238,8 @@ impl<'a, R: Real> Plan<'a, R> {
         chunks
             .map(|(index, part)| {
                 let cull = self.scene.raster.cull;
-                let mut builder = Builder::new(&self.view, self.grid, samples, cull);
+                let mut builder = Builder::new(&self.view, self.grid, samples, cull)
+                    .depth_test(self.scene.raster.depth_test);
                 for (i, corners) in part.iter().enumerate() {
                     let primitive = (index * length + i) as u32;
                     let places = corners.map(|v| snapped[v as usize]);
@@ -303,7 +304,7 @@ impl<'a, R: Real> Plan<'a, R> {
             Projection::Perspective { .. } => [direction.x, direction.y],
             Projection::Orthographic { .. } => [origin.x, origin.y],
             Projection::Matrix(_) => [
-                2.0 * x / f64::from(width) - 1.0,
+                (2.0 * x / f64::from(width) - 1.0) * (f64::from(width) / f64::from(height)),
                 1.0 - 2.0 * y / f64::from(height),
             ],
         }

@@ -142,6 +142,7 @@ pub(super) struct Builder<'a> {
     grid: TileGrid,
     samples: SampleBox,
     cull: Cull,
+    depth_test: bool,
     chunk: Chunk,
     /// Tile and record, in primitive order.
     entries: Vec<(u32, u32)>,
@@ -155,9 +156,16 @@ impl<'a> Builder<'a> {
             grid,
             samples,
             cull,
+            depth_test: true,
             chunk: Chunk::default(),
             entries: Vec::new(),
         }
+    }
+
+    /// With or without the depth test.
+    pub(super) fn depth_test(mut self, on: bool) -> Self {
+        self.depth_test = on;
+        self
     }
 
     /// Adds a triangle that needs no clipping: its vertices lie within near and far, and `snapped` within
@@ -192,7 +200,7 @@ impl<'a> Builder<'a> {
             return;
         }
         let corners = corners();
-        let (key, range) = self.depth(&corners, &corners);
+        let (key, range) = self.depth(primitive, &corners, &corners);
         self.push(primitive, v, area < 0, key, range, tiles);
         self.chunk.counters.triangles_drawn += 1;
     }
@@ -217,7 +225,7 @@ impl<'a> Builder<'a> {
         if !self.keeps(facing, area == 0) {
             return;
         }
-        let (key, range) = self.depth(&corners, vertices);
+        let (key, range) = self.depth(primitive, &corners, vertices);
         let mut drawn = false;
         for v in fans() {
             // Snapping may fold a sliver of the fan over; what it would take back is not drawn.
@@ -299,8 +307,18 @@ impl<'a> Builder<'a> {
         Some(range)
     }
 
-    /// The depth key of a triangle, and the least and greatest key of the part that is drawn.
-    fn depth(&self, corners: &[Vertex; 3], drawn: &[Vertex]) -> ([f64; 3], [f32; 2]) {
+    /// The depth key of a triangle, and the least and greatest key of the part that is drawn. Without depth test the key is
+    /// the primitive's number, so that later ones win.
+    fn depth(
+        &self,
+        primitive: u32,
+        corners: &[Vertex; 3],
+        drawn: &[Vertex],
+    ) -> ([f64; 3], [f32; 2]) {
+        if !self.depth_test {
+            let later = [f64::from(primitive), 0.0, 0.0];
+            return (later, [f32::NEG_INFINITY, f32::INFINITY]);
+        }
         let keys = drawn.iter().map(|v| self.view.depth_key(v));
         let (least, most) = keys.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| {
             (l.min(k), m.max(k))

@@ -5,7 +5,7 @@
 //! enters with the window transform), w is the distance along -z for a perspective view and 1 for an orthographic one, and
 //! GL's `z + w >= 0` and `z <= w` (GL 2.1 section 2.12) read `near <= distance <= far`. So the near test, the facing and
 //! the attribute weights work on the numbers as stored, and on the very ray that the tracer casts. A camera that is a
-//! projection matrix gives clip x and y instead, over normalized device coordinates; where the matrix is neither a frustum nor
+//! projection matrix gives clip x (times the aspect) and y instead; where the matrix is neither a frustum nor
 //! a box ([`Form::General`]), z + w >= 0 and z - w <= 0 take the place of the distance and its bounds.
 
 use crate::scene::projection::{Form, Lens};
@@ -73,7 +73,11 @@ impl View {
     pub(super) fn new(camera: &Camera, size: [u32; 2], snap: Snap, front_face: FrontFace) -> Self {
         let [width, height] = size.map(f64::from);
         let half = camera.half_extent(width / height);
-        let lens = camera.lens();
+        // Square pixels: the nearest place of an outline is nearest in the picture.
+        let lens = camera.lens().map(|mut lens| {
+            lens.rows[0] *= width / height;
+            lens
+        });
         let form = match camera.projection {
             Projection::Perspective { .. } => Form::Perspective,
             Projection::Orthographic { .. } => Form::Orthographic,

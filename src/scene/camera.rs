@@ -76,13 +76,13 @@ impl Camera {
         }
     }
 
-    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one, 1 (those of
-    /// ndc) for a matrix.
+    /// Half extents of the picture: at distance 1 for a perspective view, in scene units for an orthographic one; for a matrix
+    /// those of ndc, x times the aspect.
     pub fn half_extent(&self, aspect: f64) -> DVec2 {
         let half_height = match self.projection {
             Projection::Perspective { fovy_deg } => libm::tan(fovy_deg.to_radians() / 2.0),
             Projection::Orthographic { height } => height / 2.0,
-            Projection::Matrix(_) => return DVec2::ONE,
+            Projection::Matrix(_) => 1.0,
         };
         DVec2::new(half_height * aspect, half_height)
     }
@@ -135,7 +135,7 @@ impl Camera {
             Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (DVec3::new(x, y, 0.0), DVec3::NEG_Z),
             Projection::Matrix(_) => self.lens().map_or((DVec3::ZERO, DVec3::ZERO), |lens| {
-                lens.ray(DVec2::new(x, y))
+                lens.ray(DVec2::new(x / half.x, y))
             }),
         }
     }

@@ -117,6 +117,8 @@ pub struct RasterSettings {
     pub cull: Cull,
     /// Front winding. Default counter-clockwise.
     pub front_face: FrontFace,
+    /// Nearer fragments win (GL_DEPTH_TEST); else later ones do. The tracer always shows the nearest. Default true.
+    pub depth_test: bool,
     /// GL depth range of near and far. Default 0, 1.
     pub depth_range: [f64; 2],
     /// Sub-pixel grid. Default 8 bits.
@@ -129,6 +131,7 @@ impl Default for RasterSettings {
             shading: gl::ShadeModel::Gouraud,
             cull: Cull::None,
             front_face: FrontFace::Ccw,
+            depth_test: true,
             depth_range: [0.0, 1.0],
             snap: Snap::Bits8,
         }
