@@ -18,3 +18,8 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod trace;
+
+/// The README's program, compiled and run as a doc test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -75,7 +75,7 @@ use matrix::Stack;
 use record::Recorded;
 
 /// How many lights there are (GL asks for 8 or more).
-pub const MAX_LIGHTS: usize = 32;
+pub const MAX_LIGHTS: usize = 256;
 
 /// What GL's error flag says (GL 2.1 section 2.5). INVALID_ENUM cannot happen: enums are Rust's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

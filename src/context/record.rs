@@ -13,8 +13,8 @@ use crate::gl::{Face, LightModel, LightSource, ShadeModel};
 use crate::math::transform::normal_matrix;
 use crate::math::{DAffine3, DMat3, DMat4, DVec3};
 use crate::scene::{
-    Camera, Cull, Geometry, ImageSettings, Light, LightSpace, Material, Mesh, Object, Optics,
-    Projection, RasterSettings, Scene,
+    Camera, Cull, Geometry, ImageSettings, Light, LightSpace, Material, Mesh, Object, Projection,
+    RasterSettings, Scene,
 };
 
 /// What was drawn and one scene cannot hold.
