@@ -148,7 +148,7 @@ impl Context {
         let area = Area::new(x, y, width, height)?;
         let viewport = self.drawn_viewport();
         let scene = self.scene()?;
-        let lens = scene.camera.lens().filter(|_| scene.raster.depth_test);
+        let lens = Lens::new(&scene.camera.clip_from_eye(1.0)).filter(|_| scene.raster.depth_test);
         let assembly = Assembly::<f32>::new(&scene, None)?;
         let frame = self.drawn(viewport)?;
         let [n, f] = scene.raster.depth_range;

@@ -155,7 +155,9 @@ impl Recorded {
             camera: Camera {
                 eye: DVec3::ZERO,
                 target: DVec3::NEG_Z,
-                projection: Projection::Matrix(picture.projection),
+                projection: Projection::Matrix {
+                    clip_from_eye: picture.projection,
+                },
                 ..Camera::default()
             },
             light_model: lighting.model,

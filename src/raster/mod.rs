@@ -303,7 +303,7 @@ impl<'a, R: Real> Plan<'a, R> {
         match camera.projection {
             Projection::Perspective { .. } => [direction.x, direction.y],
             Projection::Orthographic { .. } => [origin.x, origin.y],
-            Projection::Matrix(_) => [
+            Projection::Matrix { .. } => [
                 (2.0 * x / f64::from(width) - 1.0) * (f64::from(width) / f64::from(height)),
                 1.0 - 2.0 * y / f64::from(height),
             ],

@@ -81,7 +81,7 @@ impl View {
         let form = match camera.projection {
             Projection::Perspective { .. } => Form::Perspective,
             Projection::Orthographic { .. } => Form::Orthographic,
-            Projection::Matrix(_) => lens.map_or(Form::General, |lens| lens.form),
+            Projection::Matrix { .. } => lens.map_or(Form::General, |lens| lens.form),
         };
         let [near, far] = match (form, &lens) {
             (Form::General, _) => [0.0, 0.0],

@@ -16,9 +16,12 @@ pub enum Projection {
         /// Height of the view, scene units.
         height: f64,
     },
-    /// A projection matrix as GL holds it: clip = matrix x eye. Near and far are its planes z = -w and z = w; the camera's own
+    /// A projection matrix as GL holds it: any that glLoadMatrix could load. Near and far are its planes z = -w and z = w; the camera's own
     /// are not used. One that cannot be inverted shows nothing.
-    Matrix(DMat4),
+    Matrix {
+        /// Eye space to clip space.
+        clip_from_eye: DMat4,
+    },
 }
 
 /// Where the picture is taken from.
@@ -71,7 +74,7 @@ impl Camera {
     /// The projection matrix taken apart, where the camera has one and it can be inverted.
     pub fn lens(&self) -> Option<Lens> {
         match &self.projection {
-            Projection::Matrix(matrix) => Lens::new(matrix),
+            Projection::Matrix { clip_from_eye } => Lens::new(clip_from_eye),
             Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
         }
     }
@@ -82,15 +85,15 @@ impl Camera {
         let half_height = match self.projection {
             Projection::Perspective { fovy_deg } => libm::tan(fovy_deg.to_radians() / 2.0),
             Projection::Orthographic { height } => height / 2.0,
-            Projection::Matrix(_) => 1.0,
+            Projection::Matrix { .. } => 1.0,
         };
         DVec2::new(half_height * aspect, half_height)
     }
 
     /// glFrustum's or glOrtho's matrix for a picture of this width / height. An infinite far plane takes the limit.
     pub fn clip_from_eye(&self, aspect: f64) -> DMat4 {
-        if let Projection::Matrix(matrix) = self.projection {
-            return matrix;
+        if let Projection::Matrix { clip_from_eye } = self.projection {
+            return clip_from_eye;
         }
         let half = self.half_extent(aspect);
         let near = self.near;
@@ -134,7 +137,7 @@ impl Camera {
         match self.projection {
             Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (DVec3::new(x, y, 0.0), DVec3::NEG_Z),
-            Projection::Matrix(_) => self.lens().map_or((DVec3::ZERO, DVec3::ZERO), |lens| {
+            Projection::Matrix { .. } => self.lens().map_or((DVec3::ZERO, DVec3::ZERO), |lens| {
                 lens.ray(DVec2::new(x / half.x, y))
             }),
         }

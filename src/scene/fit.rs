@@ -177,7 +177,7 @@ pub fn near(camera: &Camera, objects: &[Object], aspect: f64) -> f64 {
             let half = camera.half_extent(aspect);
             (1.0 / half.extend(1.0).length(), true)
         }
-        Projection::Orthographic { .. } | Projection::Matrix(_) => (0.0, false),
+        Projection::Orthographic { .. } | Projection::Matrix { .. } => (0.0, false),
     };
     let inside = NEAR_INSIDE * Bounds::of_objects(objects).map_or(0.0, |b| b.diagonal());
     let least = objects
@@ -234,7 +234,7 @@ pub fn eye(
         .into_iter()
         .map(|p| match projection {
             Projection::Perspective { .. } => p.z + (p.x.abs() / half.x).max(p.y.abs() / half.y),
-            Projection::Orthographic { .. } | Projection::Matrix(_) => p.z + bounds.diagonal(),
+            Projection::Orthographic { .. } | Projection::Matrix { .. } => p.z + bounds.diagonal(),
         })
         .fold(0.0, f64::max);
     let distance = if distance > 0.0 && distance.is_finite() {
