@@ -404,6 +404,8 @@ fn stacks_and_the_error_flag() {
     assert_eq!(gl.get_error(), Some(GlError::InvalidOperation));
     gl.begin(PrimitiveMode::Quads);
     assert_eq!(gl.get_error(), Some(GlError::InvalidOperation));
+    assert!(gl.read_pixels::<u8>(0, 0, 1, 1, Format::Rgb).is_err());
+    assert_eq!(gl.get_error(), Some(GlError::InvalidOperation));
     gl.color3(1.0, 0.0, 0.0);
     gl.normal3(0.0, 1.0, 0.0);
     gl.material(Face::Front, MaterialParameter::Shininess(3.0));

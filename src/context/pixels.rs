@@ -100,7 +100,8 @@ impl Context {
     /// glReadPixels of colours: `width` x `height` pixels from (x, y), bottom row first, components side by side.
     ///
     /// # Errors
-    /// As [`Context::draw`]; [`Error::Limit`] for more than 2^27 pixels.
+    /// As [`Context::draw`]; [`Error::Limit`] for more than 2^27 pixels; [`Error::Parameter`], and `InvalidOperation`, between
+    /// begin and end.
     pub fn read_pixels<T: Component>(
         &mut self,
         x: i32,
@@ -109,6 +110,7 @@ impl Context {
         height: u32,
         format: Format,
     ) -> Result<Vec<T>, Error> {
+        self.check_closed()?;
         let area = Area::new(x, y, width, height)?;
         let (viewport, background) = (self.drawn_viewport(), self.recorded.background);
         let alpha = match format {
@@ -145,6 +147,7 @@ impl Context {
         width: u32,
         height: u32,
     ) -> Result<Vec<f32>, Error> {
+        self.check_closed()?;
         let area = Area::new(x, y, width, height)?;
         let viewport = self.drawn_viewport();
         let scene = self.scene()?;
@@ -165,6 +168,15 @@ impl Context {
             depths.push(clamp01(window) as f32);
         }
         Ok(depths)
+    }
+
+    /// Reading is refused between begin and end (section 2.6.3).
+    fn check_closed(&mut self) -> Result<(), Error> {
+        if self.outside() {
+            return Ok(());
+        }
+        let message = "not allowed between begin and end";
+        Err(Error::parameter("read", message).with_help("call end first"))
     }
 
     /// The viewport that the picture was drawn with.

@@ -241,6 +241,16 @@ const SECTIONS: &[(&str, &str, &str)] = &[
         "",
     ),
     (
+        "[light_model]\ncolor_material = { mode = \"difuse\" }\n",
+        "2:27 mode: expected one of `emission`, `ambient`, `diffuse`, `specular` and `ambient_and_diffuse`, found the string \"difuse\"",
+        "did you mean `diffuse`?",
+    ),
+    (
+        "[object.a]\npositions = [0, 0, 0, 1, 0, 0, 0, 1, 0]\ncolors = [[1, 0, 0]]\n",
+        "3:10 colors: expected one for each of 3 positions, found 1",
+        "",
+    ),
+    (
         "[trace]\ndepth = -1\n",
         "2:9 depth: expected a whole number from 0 to 1048576, found -1",
         "",
