@@ -4,6 +4,7 @@
 //! *one* scene, so whatever differs between their pictures has a cause with a name.
 #![deny(unsafe_code)]
 
+pub mod context;
 pub mod decompose;
 pub mod error;
 pub mod frame;
@@ -19,3 +20,8 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod trace;
+
+/// The README's program, compiled and run as a doc test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

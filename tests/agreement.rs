@@ -213,6 +213,7 @@ impl Random {
             specular: self.color(),
             alpha: 1.0,
             shininess: [0.0, 1.0, 8.0, 30.0, 120.0][self.below(5) as usize],
+            ..gl::Material::default()
         }
     }
 

@@ -20,6 +20,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("raster", 5),
     ("trace", 5),
     ("decompose", 6),
+    ("context", 6),
     ("peers", 6),
     ("report", 8),
     ("cli", 9),

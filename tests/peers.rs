@@ -526,6 +526,7 @@ fn material(m: &Value) -> Material {
         specular: rgb(&m["specular"]),
         alpha: numbers(&m["diffuse"], [1.0; 4])[3],
         shininess: m["shininess"].as_f64().unwrap_or(0.0),
+        ..Material::default()
     }
 }
 

@@ -174,3 +174,53 @@ fn unused_materials_and_dead_lights_ask_for_nothing() {
     assert_eq!(requirements.iter().count(), 0);
     assert_eq!(requirements.live_lights, [false]);
 }
+
+#[test]
+fn terms_that_follow_vertex_colours_are_needed_whatever_the_material_says() {
+    let mut scene = Scene::default();
+    scene.lights.push(Light {
+        name: "key".into(),
+        source: gl::LightSource::default(),
+        space: LightSpace::World,
+        enabled: true,
+    });
+    let black = gl::Material {
+        ambient: [0.0; 3],
+        diffuse: [0.0; 3],
+        ..gl::Material::default()
+    };
+    scene.materials.push(Material {
+        name: "m".into(),
+        front: black,
+        back: None,
+        optics: Optics::default(),
+    });
+    scene.objects.push(Object {
+        name: "o".into(),
+        geometry: Geometry::Mesh(std::sync::Arc::default()),
+        materials: vec![0],
+        world_from_object: DAffine3::IDENTITY,
+        tessellation: None,
+    });
+    let features = |scene: &Scene| -> Vec<&str> {
+        let needs = Requirements::of(scene, Mode::Raster);
+        needs.iter().map(|(f, _)| f.name()).collect()
+    };
+    assert_eq!(features(&scene), [""; 0]);
+    for (mode, expected) in [
+        (gl::ColorMaterialMode::Emission, &["emission"][..]),
+        (gl::ColorMaterialMode::Ambient, &["ambient"]),
+        (
+            gl::ColorMaterialMode::Diffuse,
+            &["diffuse", "normal", "normalize"],
+        ),
+        (
+            gl::ColorMaterialMode::Specular,
+            &["normal", "normalize", "specular"],
+        ),
+    ] {
+        let face = gl::Face::Front;
+        scene.materials[0].front.tracked = gl::ColorMaterial { face, mode }.tracked(false);
+        assert_eq!(features(&scene), expected, "{mode:?}");
+    }
+}

@@ -1,6 +1,6 @@
 //! GL materials and the light model.
 
-use super::RangeViolation;
+use super::{RangeViolation, Tracked};
 use crate::math::color::Rgb;
 
 /// A material, as glMaterial sets it (GL 2.1 table 2.10).
@@ -25,6 +25,8 @@ pub struct Material {
     pub alpha: f64,
     /// Specular exponent. Default 0; GL accepts 0..128.
     pub shininess: f64,
+    /// The terms that vertex colours overwrite (GL_COLOR_MATERIAL). Default none.
+    pub tracked: Tracked,
 }
 
 impl Material {
@@ -51,6 +53,7 @@ impl Default for Material {
             specular: [0.0; 3],
             alpha: 1.0,
             shininess: 0.0,
+            tracked: Tracked::default(),
         }
     }
 }

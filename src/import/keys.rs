@@ -111,6 +111,8 @@ pub(crate) enum Kind {
     Transform,
     /// The back face's material.
     Back,
+    /// true, false, or { enabled, face, mode }.
+    ColorMaterial,
     /// Known to DESIGN, not to this version: always an error with a reason.
     Unsupported(&'static str),
 }
@@ -219,7 +221,15 @@ pub(crate) const LIGHT_MODEL: &[KeyInfo] = &[
     key("specular_model", Kind::Choice(|| names(gl::SpecularModel::NAMES)), "\"half-vector\"", "(n.h)^s as OpenGL, or (V.R)^n as the lecture"),
     key("normalize", Kind::Bool, "true", "Normals are made unit length after the transform"),
     key("rescale_normal", Kind::Bool, "false", "Normals are scaled by the transform's uniform scale"),
-    key("color_material", Kind::Unsupported("there are no vertex colours yet for it to read"), "", "Not in this version"),
+    key("color_material", Kind::ColorMaterial, "false", "Vertex colours overwrite material terms (white where a mesh has none): true, or { face, mode }"),
+];
+
+/// The table form of `color_material`.
+#[rustfmt::skip] // a table
+pub(crate) const COLOR_MATERIAL: &[KeyInfo] = &[
+    key("enabled", Kind::Bool, "true", "Whether vertex colours are used"),
+    key("face", Kind::Choice(|| names(gl::Face::NAMES)), "\"front_and_back\"", "The sides whose material follows"),
+    key("mode", Kind::Choice(|| names(gl::ColorMaterialMode::NAMES)), "\"ambient_and_diffuse\"", "The terms that follow"),
 ];
 
 /// `[raster]`.
@@ -279,6 +289,7 @@ pub(crate) const MATERIAL: &[KeyInfo] = &[
     key("ior", Kind::Number(Range::Above(0.0)), "1", "Index of refraction of the inside"),
     key("thin", Kind::Bool, "false", "A thin surface: transmitted rays go straight on"),
     key("fresnel", Kind::Choice(|| names(Fresnel::NAMES)), "\"off\"", "Whether Fresnel's equations share the weights"),
+    key("color_material", Kind::ColorMaterial, "", "The same for this material alone, instead of light_model.color_material"),
     key("texture", Kind::Unsupported("textures are not in this version"), "", "Not in this version"),
 ];
 
@@ -318,6 +329,7 @@ pub(crate) const INLINE: &[KeyInfo] = &[
     key("positions", Kind::Numbers, "", "Vertex positions: [x, y, z, ...] or [[x, y, z], ...]"),
     key("normals", Kind::Numbers, "", "Vertex normals, one a position"),
     key("texcoords", Kind::Numbers, "", "Texture coordinates [u, v], one a position"),
+    key("colors", Kind::Numbers, "", "Vertex colours [r, g, b] or [r, g, b, a], one a position, for color_material"),
     key("indices", Kind::Indices, "", "Vertex numbers from 0: triangles [a, b, c, ...], or faces [[a, b, c], ...]; every three positions where omitted"),
     SMOOTH,
 ];

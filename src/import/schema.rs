@@ -170,7 +170,7 @@ fn structure(kind: Kind) -> Value {
     let any = number(Range::Any);
     match kind {
         Kind::Numbers => {
-            let nested = json!({ "type": "array", "items": numbers(2, 3) });
+            let nested = json!({ "type": "array", "items": numbers(2, 4) });
             any_of(&[json!({ "type": "array", "items": any }), nested])
         }
         Kind::Profile => list(&numbers(2, 2), 2, MAX_POINTS),
@@ -200,6 +200,10 @@ fn structure(kind: Kind) -> Value {
             rotation["required"] = json!(["axis", "degrees"]);
             rotation
         }
+        Kind::ColorMaterial => any_of(&[
+            json!({ "type": "boolean" }),
+            section(&[keys::COLOR_MATERIAL], "As glColorMaterial takes it"),
+        ]),
         Kind::Back => section(&[keys::SURFACE], "The material of back faces"),
         _ => json!({}),
     }

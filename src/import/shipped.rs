@@ -72,6 +72,7 @@ const SCENES: &[Shipped] = scenes! {
         "glass-slab",
         "instances",
         "revolution",
+        "vertex-colours",
     ],
 };
 

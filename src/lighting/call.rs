@@ -97,7 +97,7 @@ impl<R: Real> Call<'_, '_, R> {
         let n = (end - start) as u64;
         self.constants(start, end);
         for (index, light) in self.rig.lights.iter().enumerate() {
-            let products = self.products(light, !chunk.normal_length.is_empty());
+            let products = self.products(light, !chunk.normal_length.is_empty(), start..end);
             if products.has.none() {
                 continue;
             }
@@ -130,6 +130,9 @@ impl<R: Real> Call<'_, '_, R> {
 
     /// Emission and scene ambient, the terms that no light scales.
     fn constants(&mut self, start: usize, end: usize) {
+        if self.material.tracked.any() {
+            return self.tracked_constants(start..end);
+        }
         for c in 0..3 {
             let emission = finite::<R>(self.material.emission[c]);
             let ambient = finite::<R>(self.material.ambient[c] * self.rig.model.ambient[c]);
@@ -149,7 +152,13 @@ impl<R: Real> Call<'_, '_, R> {
         }
     }
 
-    fn products(&self, light: &Light<R>, has_lengths: bool) -> Products<R> {
+    /// Material times light; with vertex colours, the scratch lists hold each point's own.
+    fn products(
+        &mut self,
+        light: &Light<R>,
+        has_lengths: bool,
+        range: Range<usize>,
+    ) -> Products<R> {
         let colors = light.colors();
         let multiply = |a: &Rgb, b: &Rgb| [0, 1, 2].map(|c| finite::<R>(a[c] * b[c]));
         let ambient = multiply(&self.material.ambient, &colors.ambient);
@@ -157,10 +166,18 @@ impl<R: Real> Call<'_, '_, R> {
         let specular = multiply(&self.material.specular, &colors.specular);
         let any = |color: [R; 3]| color.into_iter().any(|x| x != R::ZERO);
         let all = [ambient, diffuse, specular];
-        let largest = all
+        let mut has = Has {
+            ambient: any(ambient),
+            diffuse: any(diffuse),
+            specular: any(specular),
+        };
+        let mut largest = all
             .iter()
             .flatten()
             .fold(1.0f64, |m, x| m.max(x.to_f64().abs()));
+        if self.material.tracked.any() {
+            largest = largest.max(self.tracked_products(colors, &all, &mut has, range));
+        }
         let power = Power::new(self.material.shininess);
         let negative_power = matches!(power, Power::Other(s) if s < R::ZERO);
         let may_overflow = largest * light.largest_factor() > R::MAX.to_f64() / 4.0;
@@ -168,11 +185,7 @@ impl<R: Real> Call<'_, '_, R> {
             ambient,
             diffuse,
             specular,
-            has: Has {
-                ambient: any(ambient),
-                diffuse: any(diffuse),
-                specular: any(specular),
-            },
+            has,
             careful: may_overflow || negative_power || has_lengths,
             signed: self.signed,
             power,
@@ -216,6 +229,7 @@ impl<R: Real> Call<'_, '_, R> {
             diffuse,
             specular,
             visibility,
+            products: of_points,
             ..
         } = &mut *self.scratch;
         let weights = Weights {
@@ -223,6 +237,7 @@ impl<R: Real> Call<'_, '_, R> {
             diffuse,
             specular,
             visibility: asked.then_some(visibility),
+            products: self.material.tracked.any().then_some(of_points),
         };
         let separate = self.rig.model.color_control == gl::ColorControl::SeparateSpecular;
         match &mut self.sink {

@@ -34,6 +34,11 @@
 //! finite count as the largest number (infinity) or 0 (NaN). No NaN comes out.
 //!
 //! **Accuracy.** See `tests/lighting_reference.rs`, which holds the bars. **Speed.** See [`shade`].
+//! **Vertex colours.** Where a material tracks the vertex colour (GL 2.1 section 2.14.3), its terms are each point's own
+//! [`Points::color`]: products become lists for that call, each rounded once from f64 as the others are. Nothing else changes,
+//! and materials that track nothing pay nothing. GL has vertex colours at vertices only; a caller that lights fragments or
+//! hits gives the interpolated colour.
+//!
 //! Left out: texture (a factor on the material, the caller's), fog, clamping (a named step of the caller's).
 
 mod batch;
@@ -42,6 +47,7 @@ mod cone;
 mod light;
 mod parts;
 mod scratch;
+mod tracked;
 mod vector;
 
 use std::ops::AddAssign;
@@ -106,6 +112,8 @@ pub struct Points<R> {
     pub normal_length: Vec<R>,
     /// Unit vectors to the viewer: (0, 0, 1) for an infinite viewer, against the ray for secondary rays.
     pub to_viewer: [Vec<R>; 3],
+    /// Vertex colours (red, green, blue), for materials that track them; empty = white, GL's current colour by default.
+    pub color: [Vec<R>; 3],
 }
 
 impl<R: Real> Points<R> {
@@ -124,6 +132,7 @@ impl<R: Real> Points<R> {
             .iter_mut()
             .chain(&mut self.normal)
             .chain(&mut self.to_viewer)
+            .chain(&mut self.color)
         {
             list.clear();
         }
@@ -135,6 +144,12 @@ impl<R: Real> Points<R> {
             self.position[axis].push(position[axis]);
             self.normal[axis].push(normal[axis]);
             self.to_viewer[axis].push(to_viewer[axis]);
+        }
+    }
+    /// Adds the vertex colour of the last point: either all points of a list have one, or none.
+    pub fn push_color(&mut self, color: [R; 3]) {
+        for (list, c) in self.color.iter_mut().zip(color) {
+            list.push(c);
         }
     }
 }
@@ -281,6 +296,10 @@ pub fn shade<R: Real>(
     signed: bool,
     sink: Sink<'_, R>,
 ) -> Counters {
+    // Without colours of their own, all points have GL's current colour.
+    let white = (material.tracked.any() && points.color[0].is_empty())
+        .then(|| material.with_color(gl::CURRENT_COLOR));
+    let material = white.as_ref().unwrap_or(material);
     with_scratch(|scratch| {
         let call = Call {
             rig,

@@ -268,6 +268,8 @@ pub(super) struct Weights<'a, R> {
     pub(super) specular: &'a [R],
     /// S_L; `None` = 1.
     pub(super) visibility: Option<&'a [Vec<R>; 3]>,
+    /// Products of each point instead of [`Products`]' own; `None` = the same for all.
+    pub(super) products: Option<&'a [[Vec<R>; 3]; 3]>,
 }
 
 /// Part two, the terms: colour times weight times S_L (ambient is never shadowed).
@@ -329,9 +331,17 @@ fn terms<L: Lanes>(
     i: usize,
 ) -> [L; 3] {
     let careful = products.careful;
-    let ambient = product(L::splat(products.ambient[component]), weight[0], careful);
-    let mut diffuse = product(L::splat(products.diffuse[component]), weight[1], careful);
-    let mut specular = product(L::splat(products.specular[component]), weight[2], careful);
+    let [a, d, s] = match weights.products {
+        None => [
+            L::splat(products.ambient[component]),
+            L::splat(products.diffuse[component]),
+            L::splat(products.specular[component]),
+        ],
+        Some([a, d, s]) => load3(&[&a[component], &d[component], &s[component]], i),
+    };
+    let ambient = product(a, weight[0], careful);
+    let mut diffuse = product(d, weight[1], careful);
+    let mut specular = product(s, weight[2], careful);
     if let Some(visibility) = weights.visibility {
         let s = L::load(&visibility[component][i..]);
         diffuse = product(diffuse, s, careful);

@@ -21,6 +21,8 @@ pub(super) struct Scratch<R> {
     pub(super) specular: Vec<R>,
     /// S_L.
     pub(super) visibility: [Vec<R>; 3],
+    /// Material times light of each point: ambient, diffuse, specular. Used where the material tracks vertex colours.
+    pub(super) products: [[Vec<R>; 3]; 3],
     /// Terms of one light on their way to a sum in f64.
     pub(super) terms: [[Vec<R>; 3]; 3],
     /// Sums in f64, of the first and of the second colour.

@@ -293,6 +293,7 @@ fn white() -> gl::Material {
         specular: [1.0; 3],
         alpha: 1.0,
         shininess: 2.0,
+        ..gl::Material::default()
     }
 }
 
@@ -586,4 +587,117 @@ fn material_is_positive(material: &gl::Material, light: &gl::LightSource) -> boo
         light.diffuse,
     ];
     colors.iter().flatten().all(|x| *x >= 0.0)
+}
+
+/// GL 2.1 section 2.14.3: a vertex with a colour is lit as with the material that the colour overwrites, to the last bit.
+fn vertex_colours_are_overwritten_materials<R: Real>(signed: bool) {
+    let mut random = Random(23);
+    let rig = Rig::<R>::new(&lights(&mut random, signed), &gl::LightModel::default());
+    let low = if signed { -1.0 } else { 0.0 };
+    for mask in 0..16 {
+        let material = gl::Material {
+            emission: [0.25, 0.0, 0.125],
+            specular: [0.5; 3],
+            shininess: 20.0,
+            tracked: gl::Tracked {
+                emission: mask & 1 != 0,
+                ambient: mask & 2 != 0,
+                diffuse: mask & 4 != 0,
+                specular: mask & 8 != 0,
+            },
+            ..gl::Material::default()
+        };
+        // More than one chunk, and no multiple of any width.
+        let mut all = points::<R>(&mut random, 300, mask % 3 == 0);
+        for _ in 0..300 {
+            all.push_color([0; 3].map(|_| R::from_f64(random.between(low, 1.5))));
+        }
+        let run = |material: &gl::Material, points: &Points<R>| {
+            let (mut sum, mut first, mut second) = Default::default();
+            let mut terms = Vec::new();
+            let isa = Isa::detect();
+            let go = |sink| {
+                shade(
+                    isa,
+                    &rig,
+                    material,
+                    points,
+                    Some(&mut Patterned),
+                    signed,
+                    sink,
+                )
+            };
+            let counters = go(Sink::Sum(&mut sum));
+            go(Sink::Record(&mut terms));
+            go(Sink::Split(&mut first, &mut second));
+            (sum, first, second, terms, counters)
+        };
+        let (sum, first, second, terms, _) = run(&material, &all);
+        for i in (0..300).step_by(29) {
+            let color = [0, 1, 2].map(|c| all.color[c][i].to_f64());
+            let own = material.with_color([color[0], color[1], color[2], 1.0]);
+            let at = |lists: &[Vec<R>; 3]| [lists[0][i], lists[1][i], lists[2][i]];
+            // The same hook's answer for point i: its pattern goes by the place in the call.
+            let mut pad = Points::default();
+            for _ in 0..=i {
+                pad.push(at(&all.position), at(&all.normal), at(&all.to_viewer));
+                pad.normal_length.extend(all.normal_length.get(i));
+            }
+            let (s, f, g, t, _) = run(&own, &pad);
+            let same = |a: &[Vec<R>; 3], b: &[Vec<R>; 3], what: &str| {
+                for c in 0..3 {
+                    let equal = a[c][i].to_bits() == b[c][i].to_bits();
+                    assert!(equal, "mask {mask}, {what}, point {i}, channel {c}");
+                }
+            };
+            same(&sum, &s, "sum");
+            same(&first, &f, "primary");
+            same(&second, &g, "secondary");
+            for (k, (a, b)) in terms.iter().zip(&t).enumerate() {
+                same(a, b, &format!("term {k}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn vertex_colours_overwrite_the_material() {
+    vertex_colours_are_overwritten_materials::<f32>(false);
+    vertex_colours_are_overwritten_materials::<f32>(true);
+    vertex_colours_are_overwritten_materials::<f64>(false);
+    vertex_colours_are_overwritten_materials::<f64>(true);
+}
+
+#[test]
+fn without_colours_a_tracking_material_is_white() {
+    let rig = Rig::<f32>::new(&[gl::LightSource::default()], &gl::LightModel::default());
+    let tracked = gl::ColorMaterial::default().tracked(false);
+    let material = gl::Material {
+        tracked,
+        ..gl::Material::default()
+    };
+    let mut points = Points::default();
+    points.push([0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+    let mut sum = Default::default();
+    shade(
+        Isa::detect(),
+        &rig,
+        &material,
+        &points,
+        None,
+        false,
+        Sink::Sum(&mut sum),
+    );
+    assert_eq!(sum[0], [1.2]); // ambient 1 * 0.2, diffuse 1 * 1
+    points.push_color([0.5, 0.0, 1.0]);
+    shade(
+        Isa::detect(),
+        &rig,
+        &material,
+        &points,
+        None,
+        false,
+        Sink::Sum(&mut sum),
+    );
+    assert_eq!([sum[0][0], sum[1][0], sum[2][0]], [0.6, 0.0, 1.2]);
 }

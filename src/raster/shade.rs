@@ -205,6 +205,9 @@ impl<R: Real> Workspace<R> {
             let normal = turned(plan.assembly.vertex_normal(vertex), surface);
             let viewer = plan.to_viewer(position);
             self.batches.push(surface, slot, position, normal, viewer);
+            if let Some(color) = plan.assembly.vertex_color(vertex) {
+                self.push_color(plan, surface, color);
+            }
             if let Some(length) = plan.assembly.normal_length.get(vertex as usize) {
                 let points = &mut self.batches.batch(surface).points;
                 points.normal_length.push(*length);
@@ -229,6 +232,18 @@ impl<R: Real> Workspace<R> {
         let viewer = plan.to_viewer(position);
         self.batches
             .push(seen.surface, tag, position, normal, viewer);
+        if !assembly.color[0].is_empty() {
+            let color = |v: u32| [0, 1, 2].map(|k: usize| assembly.color[k][v as usize]);
+            let color = mix3(weights, [color(a), color(b), color(c)]);
+            self.push_color(plan, seen.surface, color);
+        }
+    }
+
+    /// The colour of the point just pushed, where its material follows vertex colours.
+    fn push_color(&mut self, plan: &Plan<'_, R>, surface: usize, color: [R; 3]) {
+        if plan.material(surface).tracked.any() {
+            self.batches.batch(surface).points.push_color(color);
+        }
     }
 
     /// Evaluates the equation for all batches.

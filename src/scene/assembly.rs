@@ -11,6 +11,7 @@ use super::shape::Mesh;
 use super::tessellate::{DEFAULT_LEVEL, tessellate};
 use super::{Geometry, Object, Scene};
 use crate::error::Error;
+use crate::gl;
 use crate::lanes::Real;
 use crate::math::float::normalize;
 use crate::math::transform::{mirrors, normal_matrix, rescale_factor};
@@ -32,6 +33,8 @@ pub struct Assembly<R> {
     pub normal_length: Vec<R>,
     /// Texture coordinates (0 where a mesh has none).
     pub texcoord: [Vec<R>; 2],
+    /// Vertex colours; empty where no material follows them. Objects without colours are white.
+    pub color: [Vec<R>; 3],
     /// Vertex numbers of each triangle; the last is the provoking vertex.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`] of each triangle.
@@ -49,6 +52,7 @@ impl<R: Real> Assembly<R> {
     /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`].
     pub fn new(scene: &Scene, level: Option<u32>) -> Result<Self, Error> {
         let mut assembly = Self::default();
+        let colored = scene.has_vertex_colors();
         for (index, object) in scene.objects.iter().enumerate() {
             let first = assembly.triangles.len() as u32;
             let mesh = object_mesh(object, level);
@@ -61,6 +65,9 @@ impl<R: Real> Assembly<R> {
             }
             let keeps_outward = matches!(object.geometry, Geometry::Shape(_));
             assembly.add(scene, object, index as u32, &mesh, keeps_outward);
+            if colored {
+                assembly.add_colors(&mesh);
+            }
             assembly
                 .triangle_range
                 .push(first..assembly.triangles.len() as u32);
@@ -94,6 +101,14 @@ impl<R: Real> Assembly<R> {
         let length = self.normal_length.get(vertex as usize);
         let length = length.map_or(1.0, |length| length.to_f64());
         self.vertex_normal(vertex).map(|x| x.to_f64() * length)
+    }
+
+    /// Colour of a vertex; `None` where no material follows vertex colours.
+    #[inline]
+    pub fn vertex_color(&self, vertex: u32) -> Option<[R; 3]> {
+        let v = vertex as usize;
+        let [r, g, b] = &self.color;
+        Some([*r.get(v)?, g[v], b[v]])
     }
 
     /// Refuses vertices that rounding to `R` made infinite: the renderers leave their triangles out.
@@ -150,6 +165,37 @@ impl<R: Real> Assembly<R> {
             let slot = mesh.slot(i) % object.materials.len();
             self.material.push(object.materials[slot] as u32);
             self.object.push(index);
+        }
+    }
+
+    /// The colours of the vertices that [`Self::add`] made of a mesh, in the same order.
+    fn add_colors(&mut self, mesh: &Mesh) {
+        // A quarter of the range: differences of two colours stay finite.
+        let most = R::MAX.to_f64() / 4.0;
+        let limited = |x: f64| {
+            R::from_f64(if x.is_nan() {
+                0.0
+            } else {
+                x.clamp(-most, most)
+            })
+        };
+        let mut push = |vertex: usize| {
+            let color = mesh
+                .colors
+                .get(vertex)
+                .copied()
+                .unwrap_or(gl::CURRENT_COLOR);
+            for (list, c) in self.color.iter_mut().zip(color) {
+                list.push(limited(c));
+            }
+        };
+        if mesh.normals.is_empty() {
+            mesh.triangles
+                .iter()
+                .flatten()
+                .for_each(|v| push(*v as usize));
+        } else {
+            (0..mesh.positions.len()).for_each(push);
         }
     }
 

@@ -10,6 +10,7 @@ pub mod fit;
 pub mod optics;
 pub mod piece;
 pub mod profile;
+pub mod projection;
 pub mod requirements;
 pub mod revolution;
 pub mod round;
@@ -336,7 +337,24 @@ impl Scene {
             .collect()
     }
 
-    /// Some colour of a light, a material or the light model is negative: sums run in f64, rounded once.
+    /// Some material follows the vertex colour (GL_COLOR_MATERIAL), and some mesh has colours.
+    pub fn has_vertex_colors(&self) -> bool {
+        let tracks = |m: &Material| {
+            m.front.tracked.any() || m.back.as_ref().is_some_and(|b| b.tracked.any())
+        };
+        self.materials.iter().any(tracks) && self.vertex_colors().next().is_some()
+    }
+
+    /// The colours of all meshes' vertices.
+    fn vertex_colors(&self) -> impl Iterator<Item = &[f64; 4]> {
+        let meshes = self.objects.iter().filter_map(|o| match &o.geometry {
+            Geometry::Mesh(mesh) => Some(mesh),
+            Geometry::Shape(_) => None,
+        });
+        meshes.flat_map(|mesh| &mesh.colors)
+    }
+
+    /// Some colour of a light, a material, a vertex or the light model is negative: sums run in f64, rounded once.
     pub fn has_negative_colors(&self) -> bool {
         let negative = |c: &Rgb| c.iter().any(|x| *x < 0.0);
         let material = |m: &gl::Material| {
@@ -344,7 +362,9 @@ impl Scene {
                 .into_iter()
                 .any(negative)
         };
+        let vertex = |c: &[f64; 4]| c[..3].iter().any(|x| *x < 0.0);
         negative(&self.light_model.ambient)
+            || self.vertex_colors().any(vertex)
             || negative(&self.image.background)
             || self.lights.iter().any(|light| {
                 let s = &light.source;

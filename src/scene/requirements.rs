@@ -5,6 +5,8 @@
 //! are built from it, and `inspect` prints it with its reasons. Forcing every feature on ([`Requirements::full`]) must
 //! not change a byte.
 //!
+//! A term that follows the vertex colour counts as not zero, whatever the colours are.
+//!
 //! Not claimed: that normals are already exactly unit length after the transform. The rotation to eye space rounds, so
 //! `normalize` is needed wherever normals are and the flag is on.
 
@@ -191,7 +193,7 @@ impl Requirements {
 
     fn scene_terms(&mut self, scene: &Scene, material: &super::Material, two_sided: bool) {
         let name = &material.name;
-        for side in sides(material, two_sided) {
+        for side in &sides(material, two_sided) {
             if nonzero(&side.emission) {
                 self.add(Feature::Emission, || format!("material {name} emits"));
             }
@@ -243,7 +245,7 @@ impl Requirements {
         let source = &light.source;
         let mut live = false;
         let mut shades = false;
-        for side in sides(material, two_sided) {
+        for side in &sides(material, two_sided) {
             let diffuse = product(&side.diffuse, &source.diffuse);
             let specular = product(&side.specular, &source.specular);
             let ambient = product(&side.ambient, &source.ambient);
@@ -323,10 +325,14 @@ impl Requirements {
     }
 }
 
-/// The GL materials that can be seen: the front, and the back under two-sided lighting.
-fn sides(material: &super::Material, two_sided: bool) -> impl Iterator<Item = &gl::Material> {
+/// The GL materials that can be seen: the front, and the back under two-sided lighting. Terms that follow the vertex colour
+/// count as white: any colour may come.
+fn sides(material: &super::Material, two_sided: bool) -> Vec<gl::Material> {
     let back = material.back.as_ref().filter(|_| two_sided);
-    std::iter::once(&material.front).chain(back)
+    let sides = std::iter::once(&material.front).chain(back);
+    sides
+        .map(|side| side.with_color(gl::CURRENT_COLOR))
+        .collect()
 }
 
 fn nonzero(c: &Rgb) -> bool {

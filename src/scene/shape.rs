@@ -104,6 +104,9 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Texture coordinates, one a position; empty = none.
     pub texcoords: Vec<DVec2>,
+    /// Vertex colours (red, green, blue, alpha), one a position, for materials that track them ([`crate::gl::Material::tracked`]);
+    /// empty = white, GL's current colour by default.
+    pub colors: Vec<[f64; 4]>,
     /// Triangles in file order.
     pub triangles: Vec<[u32; 3]>,
     /// Material slot of each triangle; empty = slot 0 for all.

@@ -27,6 +27,9 @@
 //! nodes); peak memory with scene and assembly 0.4 GB. Three spheres on a floor at depth 6 (glass, mirror, red): 2,470,927
 //! secondary and 3,909,559 shadow rays, where an independent tracer with fixed offsets counts 2,470,927 and 3,909,533.
 //!
+//! Vertex colours are interpolated as normals are, and light a hit in place of the terms that its material tracks; exact
+//! shapes are white, GL's current colour by default.
+//!
 //! Left out: textures, packets; a camera inside a medium starts in air all the same.
 
 mod bezier;
@@ -202,6 +205,8 @@ pub struct Plan<'a, R> {
     sources: Vec<gl::LightSource>,
     needs: Requirements,
     model: Model,
+    /// Some colour is negative: sums run in f64.
+    signed: bool,
     build_seconds: f64,
 }
 
@@ -234,6 +239,7 @@ impl<'a, R: Real> Plan<'a, R> {
             sources,
             needs,
             model,
+            signed: scene.has_negative_colors(),
             build_seconds,
         })
     }
@@ -278,8 +284,7 @@ impl<'a, R: Real> Plan<'a, R> {
         let mut frame = Frame::empty(width, height);
         if options.layers {
             let names = self.scene.light_names();
-            let signed = self.scene.has_negative_colors();
-            frame.layers = Some(Layers::zero(&names, width, height, signed));
+            frame.layers = Some(Layers::zero(&names, width, height, self.signed));
         }
         let (nodes, leaves) = self.surfaces.hierarchy_size();
         let mut counters = Counters {

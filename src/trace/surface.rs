@@ -38,6 +38,7 @@ pub struct Surfaces<'a, R> {
     corners: Vec<[[R; 3]; 3]>,
     rotation: DMat3,
     eye: DVec3,
+    mirrors: bool,
 }
 
 /// What the tracer knows of a hit.
@@ -49,6 +50,8 @@ pub struct Site<R> {
     pub position_eye: [R; 3],
     /// Shading normal of the front side, eye space, unit (or zero).
     pub normal_eye: [f64; 3],
+    /// Vertex colour, where some material of the scene follows it.
+    pub color: Option<[R; 3]>,
     /// Index into the scene's objects.
     pub object: u32,
     /// Index into the scene's materials.
@@ -75,6 +78,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             corners: Vec::new(),
             rotation: scene.camera.eye_from_world_rotation(),
             eye: scene.camera.eye,
+            mirrors: scene.camera.lens().is_some_and(|lens| lens.mirrors),
         };
         let bounds: Vec<Bounds> = surfaces
             .items
@@ -315,9 +319,9 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Bounds::of(corners.map(|p| DVec3::from_array(self.world(p))))
     }
 
-    /// Front faces wind clockwise as a ray sees them: by the scene's rule, turned over by a projection that mirrors.
+    /// Seen along the ray: a picture that shows the mirror image turns windings round.
     fn front_is_clockwise(&self) -> bool {
-        (self.scene.raster.front_face == scene::FrontFace::Cw) != self.scene.camera.mirrors()
+        (self.scene.raster.front_face == scene::FrontFace::Cw) != self.mirrors
     }
 
     fn solid_material(&self, solid: &Solid, tile: u32) -> u32 {
@@ -341,6 +345,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             foot,
             position_eye: eye.to_array().map(R::from_f64),
             normal_eye: unit(self.rotation * foot.normal).to_array(),
+            color: (!self.assembly.color[0].is_empty()).then_some([R::ONE; 3]),
             object: solid.object,
             material: self.solid_material(solid, tile),
             back: hit.back != self.front_is_clockwise(),
@@ -379,6 +384,10 @@ impl<'a, R: Real> Surfaces<'a, R> {
             foot,
             position_eye: blend(eye).map(R::from_f64),
             normal_eye: unit(DVec3::from_array(blend(normals))).to_array(),
+            color: a.vertex_color(triangle[0]).map(|first| {
+                let corner = |v: u32| a.vertex_color(v).unwrap_or(first);
+                blend(triangle.map(corner).map(|c| c.map(Real::to_f64))).map(R::from_f64)
+            }),
             object: a.object[hit.item as usize],
             material: a.material[hit.item as usize],
             back: hit.back != self.front_is_clockwise(),

@@ -16,6 +16,7 @@ use super::surface::Site;
 use super::{Counters, MAX_RAYS, Options, Plan};
 use crate::error::Error;
 use crate::frame::{LayerIndex, NONE};
+use crate::gl;
 use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
 use crate::math::{DMat3, DVec2, DVec3};
@@ -92,7 +93,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let index = LayerIndex {
             lights: plan.lamps.len(),
         };
-        let signed = plan.scene.has_negative_colors();
+        let signed = plan.signed;
         let layers = if options.layers { index.count() } else { 0 };
         let black = || vec![[R::ZERO; 3]; pixels];
         Self {
@@ -135,46 +136,43 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     fn primary_paths(&mut self, index: u32) -> Vec<Path> {
-        let pixels = 0..self.area.width * self.area.height;
-        self.eye_rays = pixels.map(|pixel| self.eye_ray(pixel, index)).collect();
+        let image = &self.plan.scene.image;
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        let path = |(pixel, &(origin, direction)): (usize, &(DVec3, DVec3))| {
-            let [t_min, t_max] = camera.ray_range(origin, direction);
-            // A matrix may put its near plane behind the eye: such a ray starts there.
-            let back = t_min.min(0.0);
-            let ray = Ray {
-                origin: camera.eye + world_from_eye * (origin + back * direction),
-                direction: world_from_eye * direction,
-                t_min: t_min - back,
-                t_max: t_max - back,
-                skip: NO_ITEM,
-            };
-            Path {
-                ray,
+        self.eye_rays.clear();
+        let mut paths = Vec::new();
+        for pixel in 0..self.area.width * self.area.height {
+            let place = self.sample_place(pixel, index);
+            let (origin, direction) = camera.primary_ray(place, image.width, image.height);
+            let [t_min, t_max] = camera.ray_range(place, image.width, image.height);
+            self.eye_rays.push((origin, direction));
+            paths.push(Path {
+                ray: Ray {
+                    origin: camera.eye + world_from_eye * origin,
+                    direction: world_from_eye * direction,
+                    t_min,
+                    t_max,
+                    skip: NO_ITEM,
+                },
                 weight: [1.0; 3],
-                pixel: pixel as u32,
+                pixel,
                 branch: Branch::Primary,
                 media: AIR,
-            }
-        };
-        self.eye_rays.iter().enumerate().map(path).collect()
+            });
+        }
+        paths
     }
 
-    /// The primary ray of a pixel of the tile, eye space.
-    fn eye_ray(&self, pixel: u32, index: u32) -> (DVec3, DVec3) {
+    /// Where a sample of a pixel of the tile lies in the pixel frame.
+    fn sample_place(&self, pixel: u32, index: u32) -> DVec2 {
         let image = &self.plan.scene.image;
         let (x, y) = self.pixel_place(pixel);
         let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, index);
         let step = f64::from(sampling::SUBPIXEL);
-        let place = DVec2::new(
+        DVec2::new(
             f64::from(x) + f64::from(sx) / step,
             f64::from(y) + f64::from(sy) / step,
-        );
-        self.plan
-            .scene
-            .camera
-            .primary_ray(place, image.width, image.height)
+        )
     }
 
     fn pixel_place(&self, pixel: u32) -> (u32, u32) {
@@ -249,6 +247,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let (normal, viewer) = (real(normal), real(viewer));
         self.batches
             .push(surface, tag, site.position_eye, normal, viewer);
+        if let Some(color) = site.color
+            && self.plan.material(surface).tracked.any()
+        {
+            self.batches.batch(surface).points.push_color(color);
+        }
         self.counters.shaded_points += 1;
     }
 
@@ -316,12 +319,17 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     fn shade(&mut self, batch: &Batch<R>, sites: &[Option<Site<R>>], record: bool) -> Terms<R> {
         let plan = self.plan;
         let material = plan.material(batch.surface);
+        // Where terms follow the vertex colour, any light that it reflects may be shadowed.
+        let white = material
+            .tracked
+            .any()
+            .then(|| material.with_color(gl::CURRENT_COLOR));
         let mut shadows = Shadows {
             surfaces: &plan.surfaces,
             scene: plan.scene,
             lamps: &plan.lamps,
             sources: &plan.sources,
-            material,
+            material: white.as_ref().unwrap_or(material),
             ask_all: plan.model == Model::Full,
             sites,
             tags: &batch.tags,

@@ -235,8 +235,18 @@ const SECTIONS: &[(&str, &str, &str)] = &[
         "did you mean `phong`?",
     ),
     (
-        "[light_model]\ncolor_material = true\n",
-        "2:18 `color_material` is not supported: there are no vertex colours yet for it to read",
+        "[light_model]\ncolor_material = \"diffuse\"\n",
+        "2:18 color_material: expected true, false or a table { face, mode }, found the string \"diffuse\"",
+        "",
+    ),
+    (
+        "[light_model]\ncolor_material = { mode = \"difuse\" }\n",
+        "2:27 mode: expected one of `emission`, `ambient`, `diffuse`, `specular` and `ambient_and_diffuse`, found the string \"difuse\"",
+        "did you mean `diffuse`?",
+    ),
+    (
+        "[object.a]\npositions = [0, 0, 0, 1, 0, 0, 0, 1, 0]\ncolors = [[1, 0, 0]]\n",
+        "3:10 colors: expected one for each of 3 positions, found 1",
         "",
     ),
     (

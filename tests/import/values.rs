@@ -438,6 +438,72 @@ fn inline_meshes_take_flat_and_nested_lists() {
     assert_eq!(mesh_of(&smooth, 0).normals, [DVec3::Z; 3]);
 }
 
+const TRIANGLE: &str = "[object.t]\nmaterial = \"m\"\npositions = [0, 0, 0, 1, 0, 0, 0, 1, 0]\n";
+
+#[test]
+fn vertex_colours_arrive_with_and_without_alpha() {
+    let colors = |list: &str| {
+        let scene = scene(&format!("[material.m]\n{TRIANGLE}colors = {list}\n"));
+        mesh_of(&scene, 0).colors.clone()
+    };
+    let opaque = [
+        [1.0, 0.0, 0.0, 1.0],
+        [0.0, 1.0, 0.0, 1.0],
+        [0.0, 0.0, 1.0, 1.0],
+    ];
+    assert_eq!(colors("[1, 0, 0, 0, 1, 0, 0, 0, 1]"), opaque);
+    assert_eq!(colors("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"), opaque);
+    let clear = opaque.map(|[r, g, b, _]| [r, g, b, 0.25]);
+    assert_eq!(
+        colors("[[1, 0, 0, 0.25], [0, 1, 0, 0.25], [0, 0, 1, 0.25]]"),
+        clear
+    );
+    assert_eq!(
+        colors("[1, 0, 0, 0.25, 0, 1, 0, 0.25, 0, 0, 1, 0.25]"),
+        clear
+    );
+}
+
+#[test]
+fn color_material_is_the_scenes_or_the_materials_own() {
+    let tracked = |model: &str, own: &str| {
+        let text = format!(
+            "[light_model]\n{model}\n[material.m]\n{own}\n{TRIANGLE}colors = [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+        );
+        let material = scene(&text).materials.remove(0);
+        (material.front.tracked, material.back.map(|b| b.tracked))
+    };
+    let none = gl::Tracked::default();
+    let both = gl::Tracked {
+        ambient: true,
+        diffuse: true,
+        ..none
+    };
+    let emission = gl::Tracked {
+        emission: true,
+        ..none
+    };
+    let on = "color_material = true";
+    assert_eq!(tracked("", ""), (none, None));
+    assert_eq!(tracked(on, ""), (both, None));
+    assert_eq!(tracked(on, "color_material = false"), (none, None));
+    assert_eq!(tracked("", on), (both, None));
+    assert_eq!(
+        tracked("color_material = { enabled = false }", ""),
+        (none, None)
+    );
+    let mode = "color_material = { mode = \"emission\" }";
+    assert_eq!(tracked(on, mode), (emission, None));
+    // One face only: the other gets a material of its own that does not follow.
+    let front = "color_material = { face = \"front\", mode = \"emission\" }";
+    assert_eq!(tracked(front, ""), (emission, Some(none)));
+    let back = "color_material = { face = \"back\" }";
+    assert_eq!(tracked(back, ""), (none, Some(both)));
+    let idle = format!("[material.m]\n{TRIANGLE}colors = [1, 0, 0, 0, 1, 0, 0, 0, 1]\n");
+    let said = notes(&load_text("a.toml", &idle, &[]).unwrap());
+    assert!(said.contains("object t: `colors` are not used"), "{said}");
+}
+
 #[test]
 fn transforms_apply_in_the_order_written() {
     let m = |steps: &str| {

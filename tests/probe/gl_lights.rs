@@ -1,12 +1,18 @@
-//! Cases in the form of glLight, glMaterial and a vertex: transformed and lit as the renderers do it.
+//! Cases in the form of glLight, glMaterial and a vertex: set through the library's fixed-function context, transformed and
+//! lit as the renderers do it. Precision and clamps are this adapter's.
 
-use rastray::gl::{ColorControl, LightModel, LightSource, Material, SpecularModel};
+use rastray::context::{
+    Capability, Context, GlError, LightModelParameter, LightParameter, MAX_LIGHTS,
+    MaterialParameter, PrimitiveMode,
+};
+use rastray::gl::{
+    ColorControl, ColorMaterialMode, Face, LightModel, LightSource, Material, SpecularModel,
+};
 use rastray::lanes::{Isa, Real};
 use rastray::lighting::{Illumination, Points, Rig, Sink, Visibility, shade, to_viewer};
 use rastray::math::color::clamp_rgb;
-use rastray::math::float::normalize;
-use rastray::math::transform::{normal_matrix, rescale_factor};
-use rastray::math::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+use rastray::math::{DMat3, DMat4, DVec3, DVec4};
+use rastray::scene::assembly::Assembly;
 use rastray::scene::{Light, LightSpace, Scene};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -33,7 +39,7 @@ struct Case {
     separate_specular: bool,
     normalize: bool,
     rescale_normal: bool,
-    color_material: Option<ColorMaterial>,
+    color_material: Option<Tracking>,
     color: [f64; 4],
     shadow: Vec<Shadow>,
 }
@@ -62,7 +68,7 @@ pub(crate) struct CaseMaterial {
 }
 
 #[derive(Deserialize)]
-struct ColorMaterial {
+struct Tracking {
     face: String,
     mode: String,
 }
@@ -175,6 +181,7 @@ impl CaseMaterial {
             specular: rgb(&self.specular),
             alpha: self.diffuse.get(3).copied().unwrap_or(1.0),
             shininess: self.shininess,
+            ..Material::default()
         }
     }
 }
@@ -290,66 +297,152 @@ impl Visibility<f64> for Given<'_> {
     }
 }
 
-/// Transforms the vertex, its normal and the lights to eye space and picks the face.
+/// Sets GL's state through the library's context, draws the vertex, and takes it from there as the renderers do.
 fn prepare<R: Real>(isa: Isa, case: &Case) -> Result<Prepared<R>, Failure> {
-    let eye_from_object = DMat4::from_cols_array(&case.modelview);
-    let eye_from_light = DMat4::from_cols_array(&case.light_modelview);
-    let specular_model = match case.form.as_deref() {
+    let mut scene = record(case)?;
+    scene.light_model.specular_model = match case.form.as_deref() {
         None | Some("opengl") => SpecularModel::HalfVector,
         Some("lecture") => SpecularModel::Reflection,
         Some(other) => {
             return Err(format!("form: expected opengl or lecture, found {other:?}").into());
         }
     };
-    let model = LightModel {
-        ambient: rgb(&case.scene_ambient),
-        local_viewer: case.local_viewer,
-        two_sided: case.two_side,
-        color_control: if case.separate_specular {
-            ColorControl::SeparateSpecular
-        } else {
-            ColorControl::Single
-        },
-        specular_model,
-        normalize: case.normalize,
-        rescale_normal: case.rescale_normal,
-    };
-    let lights: Vec<LightSource> = case
-        .lights
-        .iter()
-        .map(|light| to_eye(light, &eye_from_light))
-        .collect();
+    let assembly = Assembly::<R>::new(&scene, None)?;
     let back = case.two_side && case.face == "back";
-    let material = material(case, back)?;
-    // Position: divided by w. Normal: inverse transpose, unit length and the length it enters with.
-    let eye = eye_from_object * DVec4::from_array(case.vertex);
-    let position = (eye.truncate() / eye.w).to_array().map(R::from_f64);
-    let linear = DMat3::from_mat4(eye_from_object);
-    let place = DAffine3 {
-        matrix3: linear,
-        translation: DVec3::ZERO,
+    let drawn = &scene.materials[assembly.material[0] as usize];
+    let material = match &drawn.back {
+        Some(material) if back => material.clone(),
+        _ => drawn.front.clone(),
     };
-    let raw = normal_matrix(&place) * DVec3::from_array(case.normal);
-    let (unit, length) = normalize(raw.to_array());
-    let unit = if back { unit.map(|x| -x) } else { unit };
+    let vertex = assembly.triangles[0][0];
+    let position = assembly.vertex_eye(vertex);
+    let normal = assembly.vertex_normal(vertex);
+    let normal = if back { normal.map(|x| -x) } else { normal };
     let mut points = Points::default();
-    let viewer = to_viewer(position, case.local_viewer);
-    points.push(position, unit.map(R::from_f64), viewer);
-    if !case.normalize {
-        let factor = if case.rescale_normal {
-            rescale_factor(&linear)
-        } else {
-            1.0
-        };
-        points.normal_length.push(R::from_f64(length * factor));
-    }
+    points.push(position, normal, to_viewer(position, case.local_viewer));
+    let length = assembly.normal_length.get(vertex as usize);
+    points.normal_length.extend(length);
     Ok(Prepared {
         isa,
-        signed: signed(&lights, &[&material], &model),
-        rig: Rig::new(&lights, &model),
+        signed: scene.has_negative_colors(),
+        rig: Rig::new(&scene.lights_eye(), &scene.light_model),
         material,
         points,
     })
+}
+
+/// The case as a fixed-function program: one triangle, all of whose corners are the vertex.
+fn record(case: &Case) -> Result<Scene, Failure> {
+    let mut gl = Context::new(1, 1);
+    gl.load_matrix(&case.light_modelview);
+    gl.enable(Capability::Lighting);
+    for (number, light) in case.lights.iter().enumerate() {
+        set_light(&mut gl, number, light);
+    }
+    gl.light_model(LightModelParameter::Ambient(rgba(&case.scene_ambient)));
+    gl.light_model(LightModelParameter::LocalViewer(case.local_viewer));
+    gl.light_model(LightModelParameter::TwoSide(case.two_side));
+    let control = if case.separate_specular {
+        ColorControl::SeparateSpecular
+    } else {
+        ColorControl::Single
+    };
+    gl.light_model(LightModelParameter::ColorControl(control));
+    for (on, capability) in [
+        (case.normalize, Capability::Normalize),
+        (case.rescale_normal, Capability::RescaleNormal),
+    ] {
+        if on {
+            gl.enable(capability);
+        }
+    }
+    set_material(&mut gl, Face::FrontAndBack, &case.material);
+    if let Some(back) = &case.back_material {
+        set_material(&mut gl, Face::Back, back);
+    }
+    let [r, g, b, a] = case.color;
+    gl.color4(r, g, b, a);
+    if let Some(setting) = &case.color_material {
+        let face = named(Face::NAMES, "face", &setting.face)?;
+        gl.color_material(
+            face,
+            named(ColorMaterialMode::NAMES, "mode", &setting.mode)?,
+        );
+        gl.enable(Capability::ColorMaterial);
+    }
+    gl.load_matrix(&case.modelview);
+    let [nx, ny, nz] = case.normal;
+    gl.normal3(nx, ny, nz);
+    gl.begin(PrimitiveMode::Triangles);
+    // The equation asks where the vertex is, not whether GL would clip it: w < 0 is the same place.
+    let [x, y, z, w] = case.vertex.map(|c| c * case.vertex[3].signum());
+    for _ in 0..3 {
+        gl.vertex4(x, y, z, w);
+    }
+    gl.end();
+    let mut scene = gl.scene()?;
+    if gl.get_error() == Some(GlError::InvalidValue) {
+        beyond_gl(case, &mut scene)?;
+    }
+    Ok(scene)
+}
+
+fn set_light(gl: &mut Context, number: usize, light: &CaseLight) {
+    use LightParameter as L;
+    let [constant, linear, quadratic] = light.attenuation;
+    gl.enable(Capability::Light(number));
+    for parameter in [
+        L::Ambient(rgba(&light.ambient)),
+        L::Diffuse(rgba(&light.diffuse)),
+        L::Specular(rgba(&light.specular)),
+        L::Position(light.position),
+        L::SpotDirection(light.spot_direction),
+        L::SpotExponent(light.spot_exponent),
+        L::SpotCutoff(light.spot_cutoff),
+        L::ConstantAttenuation(constant),
+        L::LinearAttenuation(linear),
+        L::QuadraticAttenuation(quadratic),
+    ] {
+        gl.light(number, parameter);
+    }
+}
+
+fn set_material(gl: &mut Context, face: Face, material: &CaseMaterial) {
+    use MaterialParameter as M;
+    for parameter in [
+        M::Emission(rgba(&material.emission)),
+        M::Ambient(rgba(&material.ambient)),
+        M::Diffuse(rgba(&material.diffuse)),
+        M::Specular(rgba(&material.specular)),
+        M::Shininess(material.shininess),
+    ] {
+        gl.material(face, parameter);
+    }
+}
+
+/// Values that GL refuses and this program evaluates: put into the scene as they are.
+fn beyond_gl(case: &Case, scene: &mut Scene) -> Result<(), Failure> {
+    if case.lights.len() > MAX_LIGHTS {
+        return Err(format!("{} lights, more than {MAX_LIGHTS}", case.lights.len()).into());
+    }
+    for (light, given) in scene.lights.iter_mut().zip(&case.lights) {
+        light.source.spot_exponent = given.spot_exponent;
+        light.source.spot_cutoff_deg = given.spot_cutoff;
+        light.source.attenuation = given.attenuation;
+    }
+    let back = case.back_material.as_ref().unwrap_or(&case.material);
+    for material in &mut scene.materials {
+        material.front.shininess = case.material.shininess;
+        let side = material.back.get_or_insert_with(|| material.front.clone());
+        side.shininess = back.shininess;
+    }
+    Ok(())
+}
+
+/// A colour with three or four components; alpha 1 where there is none.
+fn rgba(list: &[f64]) -> [f64; 4] {
+    let [r, g, b] = rgb(list);
+    [r, g, b, list.get(3).copied().unwrap_or(1.0)]
 }
 
 /// Whether the renderers would sum in f64.
@@ -394,30 +487,10 @@ pub(crate) fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
     }
 }
 
-/// The material of the visible face, after GL_COLOR_MATERIAL (GL 2.1 section 2.14.3).
-fn material(case: &Case, back: bool) -> Result<Material, Failure> {
-    let given = match &case.back_material {
-        Some(given) if back => given,
-        _ => &case.material,
-    };
-    let mut material = given.material();
-    let Some(tracking) = &case.color_material else {
-        return Ok(material);
-    };
-    let side = if back { "back" } else { "front" };
-    if tracking.face == side || tracking.face == "front_and_back" {
-        let color = rgb(&case.color);
-        let alpha = case.color[3];
-        match tracking.mode.as_str() {
-            "emission" => material.emission = color,
-            "ambient" => material.ambient = color,
-            "diffuse" => (material.diffuse, material.alpha) = (color, alpha),
-            "specular" => material.specular = color,
-            "ambient_and_diffuse" => {
-                (material.ambient, material.diffuse, material.alpha) = (color, color, alpha);
-            }
-            other => return Err(format!("color_material: unknown mode {other:?}").into()),
-        }
-    }
-    Ok(material)
+/// The value of a name in a table of names.
+fn named<T: Copy>(table: &[(&str, T)], what: &str, name: &str) -> Result<T, Failure> {
+    let found = table.iter().find(|(n, _)| *n == name);
+    found
+        .map(|(_, value)| *value)
+        .ok_or_else(|| format!("color_material: unknown {what} {name:?}").into())
 }

@@ -170,7 +170,7 @@ pub(crate) fn light<R: Real>(isa: Isa, case: Value) -> Result<[f64; 3], Failure>
         diffuse: case.material.diffuse,
         specular: case.material.specular,
         shininess: case.material.shininess,
-        alpha: 1.0,
+        ..Material::default()
     };
     let lights: Vec<LightSource> = case.lights.iter().map(source).collect();
     let model = LightModel {

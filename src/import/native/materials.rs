@@ -1,6 +1,7 @@
 //! `[material.NAME]`.
 
 use super::Reader;
+use super::colors::color_material;
 use crate::error::Error;
 use crate::gl;
 use crate::import::document::{Key, Node, Value};
@@ -18,6 +19,10 @@ impl<'a> Reader<'a> {
         let back = self.back(&section)?;
         if back.is_some() {
             self.back_without_two_sides.push(key.name.clone());
+        }
+        if let Some(own) = color_material(&section)? {
+            let index = self.scene.materials.len();
+            self.own_color_material.insert(index, own);
         }
         let reflection = match weight(&section, front.specular)? {
             Some(stated) => stated,

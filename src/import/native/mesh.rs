@@ -25,6 +25,10 @@ impl<'a> Reader<'a> {
             one_each(section, "texcoords", texcoords.len(), count)?;
             mesh.texcoords = texcoords.into_iter().map(DVec2::from_array).collect();
         }
+        if let Some(colors) = colors(section)? {
+            one_each(section, "colors", colors.len(), count)?;
+            mesh.colors = colors;
+        }
         mesh.triangles = match section.list("indices", "a list of vertex numbers")? {
             Some(items) => indices(section, items, &mesh.positions)?,
             None if count.is_multiple_of(3) => {
@@ -103,6 +107,25 @@ pub(super) fn tuples<const N: usize>(
         tuples.push(tuple);
     }
     Ok(Some(tuples))
+}
+
+/// Colours of three or four numbers each, the same for all; flat lists are read as triples where that fits the positions.
+fn colors(section: &Section<'_>) -> Result<Option<Vec<[f64; 4]>>, Error> {
+    let Some(items) = section.list("colors", "a list of colours")? else {
+        return Ok(None);
+    };
+    let components = match items.first().map(|n| &n.value) {
+        Some(Value::List(first)) => first.len(),
+        _ => {
+            let positions = tuples::<3>(section, "positions")?.map_or(0, |p| p.len());
+            if items.len() == 4 * positions { 4 } else { 3 }
+        }
+    };
+    if components == 4 {
+        return tuples::<4>(section, "colors");
+    }
+    let opaque = |list: Vec<[f64; 3]>| list.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
+    Ok(tuples::<3>(section, "colors")?.map(opaque))
 }
 
 /// Triangles from flat triples, or from nested faces of three corners and more.

@@ -3,9 +3,10 @@
 //! Sections are read in the order image, light model, raster, trace, lights, materials, objects, camera, since the
 //! camera may be fitted to the objects; lights, materials and objects keep the file's order. What the file leaves out
 //! has OpenGL's default but for the exceptions of DESIGN, section 1. Not read in this version, each an error with a
-//! reason: textures, `color_material`, `raster.transparency = "blend"`.
+//! reason: textures, `raster.transparency = "blend"`.
 
 mod bezier;
+mod colors;
 mod lights;
 mod materials;
 mod mesh;
@@ -22,6 +23,7 @@ use super::reader::{Section, table};
 use super::text::Home;
 use super::{Fitted, names, obj};
 use crate::error::{Error, Note};
+use crate::gl::ColorMaterial;
 use crate::scene::{ImageSettings, Material, Object, Scene};
 
 /// What an importer of another format found: the rest of the scene comes from overrides and defaults.
@@ -74,6 +76,7 @@ pub(crate) fn read(document: &Document, home: &Home, contents: Contents) -> Resu
         let error = Error::input(document.whole(), "the scene has no object");
         return Err(error.with_help("add one, for example [object.ball] with shape = \"sphere\""));
     }
+    reader.track_colors();
     let fitted = reader.camera(top.get("camera"))?;
     reader.closing_notes();
     Ok(Read {
@@ -92,6 +95,10 @@ struct Reader<'a> {
     notes: Vec<Note>,
     /// `convention = "lecture"`.
     lecture: bool,
+    /// `light_model.color_material`.
+    color_material: Option<ColorMaterial>,
+    /// `color_material` of the materials that state it.
+    own_color_material: HashMap<usize, Option<ColorMaterial>>,
     /// Materials whose back nobody will see.
     back_without_two_sides: Vec<String>,
     /// Index of OpenGL's default material, once an object needed it.
@@ -155,6 +162,8 @@ impl<'a> Reader<'a> {
             scene: Scene::default(),
             notes: Vec::new(),
             lecture: false,
+            color_material: None,
+            own_color_material: HashMap::new(),
             back_without_two_sides: Vec::new(),
             default_material: None,
             models: HashMap::new(),

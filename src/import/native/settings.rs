@@ -1,5 +1,6 @@
 //! `[image]`, `[camera]`, `[light_model]`, `[raster]` and `[trace]`.
 
+use super::colors::color_material;
 use super::{Reader, vertical_angle};
 use crate::error::Error;
 use crate::gl::{ColorControl, ShadeModel, SpecularModel};
@@ -72,6 +73,7 @@ impl<'a> Reader<'a> {
         let Some(section) = self.section(entry, keys::LIGHT_MODEL)? else {
             return Ok(());
         };
+        self.color_material = color_material(&section)?.unwrap_or_default();
         let model = &mut self.scene.light_model;
         if let Some(ambient) = section.color("ambient")? {
             model.ambient = ambient;
