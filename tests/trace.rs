@@ -4,6 +4,10 @@
 //! from an emissive floor or wall of two tiles whose border stands a hair before, or a hair behind, the place that the
 //! formula gives: the two pictures must show different tiles.
 
+// The conformance adapter's answers to the cases that rays decide.
+#[path = "probe/rays.rs"]
+mod rays;
+
 use rastray::error::Error;
 use rastray::frame::NONE;
 use rastray::gl;
@@ -20,7 +24,10 @@ use rastray::trace::bvh::{Bvh, Walker};
 use rastray::trace::planar::Shear;
 use rastray::trace::ray::Ray;
 use rastray::trace::{Counters, Geometry, Options, Plan};
+use serde_json::Value;
 use std::sync::Arc;
+
+type Failure = Box<dyn std::error::Error>;
 
 const HAIR: f64 = 1e-9;
 
@@ -1217,19 +1224,11 @@ fn a_closed_room_shows_no_background() {
 // ---- The numerics cases ------------------------------------------------------------------------------------------------
 
 mod numerics {
-    //! Groups of `../shared/numerics` whose shapes exist here, at the bars of both precisions. Inputs are f32 numbers but
-    //! where a case says otherwise; an f32 answer is an f64 one rounded.
+    //! Groups of `../shared/numerics` that rays decide, answered by the conformance adapter's own code, at the bars of both
+    //! precisions. Inputs are f32 numbers but where a case says otherwise.
 
-    use super::*;
-    use rastray::trace::cone::Cone;
-    use rastray::trace::cylinder::Cylinder;
-    use rastray::trace::disk::{Disk, plane};
-    use rastray::trace::exact::{Twofold, unit};
-    use rastray::trace::optics::{Transmission, reflect, refract};
-    use rastray::trace::planar::{normal, precise_weights};
-    use rastray::trace::span::{Span, Spot};
-    use rastray::trace::sphere::roots;
-    use serde_json::Value;
+    use super::{Value, rays, v};
+    use rastray::trace::exact::unit;
     use std::collections::BTreeMap;
 
     const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/numerics");
@@ -1263,44 +1262,16 @@ mod numerics {
         x.as_f64().unwrap()
     }
 
-    fn vector(x: &Value) -> DVec3 {
-        v(number(&x[0]), number(&x[1]), number(&x[2]))
+    fn is_true(x: &Value) -> bool {
+        x.as_bool().unwrap()
     }
 
-    fn corners(x: &Value) -> [[f64; 3]; 3] {
-        [0, 1, 2].map(|i| vector(&x[i]).to_array())
-    }
-
-    fn farthest(a: DVec3, b: DVec3) -> f64 {
-        (a - b).abs().max_element()
-    }
-
-    /// Runs the groups of a kind in both precisions and holds their worst errors to the bars.
-    fn judge(kind: &str, evaluate: impl Fn(&Value, &Value, &Value, bool, &mut Errors)) {
-        let Some(all) = load() else { return };
-        let mut failures = Vec::new();
-        for case in all.cases.iter().filter(|c| c["kind"] == kind) {
-            let id = case["id"].as_str().unwrap();
-            for precision in ["f32", "f64"] {
-                let mut errors = Errors::default();
-                let evals = case["evals"].as_array().unwrap();
-                for (eval, expected) in evals.iter().zip(all.expect[id].as_array().unwrap()) {
-                    evaluate(case, eval, expected, precision == "f32", &mut errors);
-                }
-                let bars = &all.bars[id][precision];
-                println!("{id} {precision}: {errors:?}");
-                for (name, error) in &errors.worst {
-                    let bar = bars[name].as_f64().unwrap_or(0.0);
-                    if error.is_nan() || *error > bar {
-                        failures.push(format!("{id} {precision}: {name} {error:e} > {bar:e}"));
-                    }
-                }
-                if errors.bad > 0 {
-                    failures.push(format!("{id} {precision}: {} wrong", errors.bad));
-                }
-            }
-        }
-        assert!(failures.is_empty(), "{failures:#?}");
+    /// Largest difference of two vectors.
+    fn farthest(a: &Value, b: &Value) -> f64 {
+        (0..3).fold(0.0, |most, k| {
+            let error = (number(&a[k]) - number(&b[k])).abs();
+            if error <= most { most } else { error }
+        })
     }
 
     #[derive(Debug, Default)]
@@ -1318,115 +1289,71 @@ mod numerics {
         }
     }
 
-    fn rounded(x: DVec3, single: bool) -> DVec3 {
-        if single { x.as_vec3().as_dvec3() } else { x }
-    }
-
-    /// (t, p, n) of the nearest hit with t > 0; `None` where the shape is not one of ours.
-    fn meet(o: DVec3, d: DVec3, shape: &Value) -> Option<Option<(f64, DVec3, DVec3)>> {
-        match shape["kind"].as_str().unwrap() {
-            "sphere" => {
-                let (c, r) = (vector(&shape["c"]), number(&shape["r"]));
-                let q = [0, 1, 2].map(|k| Twofold::difference(c[k], o[k]));
-                let found = roots(q, d, r).and_then(|found| {
-                    let root = (0..2).find(|&k| found.t[k] > 0.0)?;
-                    let n = found.normal(root);
-                    Some((found.t[root], c + r * n, n))
-                });
-                Some(found)
+    /// Answers the groups of a kind in both precisions and holds their worst errors to the bars. `compare` gets the case,
+    /// its answer, what is expected, and whether the precision is f32.
+    fn judge(kind: &str, compare: impl Fn(&Value, &Value, &Value, bool, &mut Errors)) {
+        let Some(all) = load() else { return };
+        let mut failures = Vec::new();
+        for case in all.cases.iter().filter(|c| c["kind"] == kind) {
+            let id = case["id"].as_str().unwrap();
+            for precision in ["f32", "f64"] {
+                let single = precision == "f32";
+                let mut errors = Errors::default();
+                let evals = case["evals"].as_array().unwrap();
+                for (eval, expected) in evals.iter().zip(all.expect[id].as_array().unwrap()) {
+                    let answer = if single {
+                        rays::answer::<f32>(kind, eval.clone())
+                    } else {
+                        rays::answer::<f64>(kind, eval.clone())
+                    };
+                    let answer = answer.unwrap().unwrap();
+                    compare(eval, &answer, expected, single, &mut errors);
+                }
+                println!("{id} {precision}: {errors:?}");
+                let bars = &all.bars[id][precision];
+                for (name, error) in &errors.worst {
+                    let bar = bars[name].as_f64().unwrap_or(0.0);
+                    if error.is_nan() || *error > bar {
+                        failures.push(format!("{id} {precision}: {name} {error:e} > {bar:e}"));
+                    }
+                }
+                if errors.bad > 0 {
+                    failures.push(format!("{id} {precision}: {} wrong", errors.bad));
+                }
+                assert!(errors.judged > 0, "{id}");
             }
-            "tri" => {
-                let world = corners(&shape["v"]);
-                let [a, b, c] = world.map(DVec3::from_array);
-                let hit = Shear::new(o, d).and_then(|shear| shear.triangle(world));
-                Some(hit.filter(|hit| hit.t > 0.0).map(|hit| {
-                    let uv = precise_weights(o, d, [a, b, c]).unwrap();
-                    let p = a + uv[0] * (b - a) + uv[1] * (c - a);
-                    (hit.t, p, normal([a, b, c]))
-                }))
-            }
-            "cyl" => {
-                let (base, top) = (vector(&shape["p0"]), vector(&shape["p1"]));
-                let (q, axis, radius) = (exact(base, o), exact(top, base), number(&shape["r"]));
-                let solid = Cylinder { axis, radius };
-                let spot = |end| solid.spot(q, d, end);
-                Some(first(solid.span(q, d), spot, base))
-            }
-            "cone" => {
-                let (apex, base) = (vector(&shape["apex"]), vector(&shape["base"]));
-                let (q, axis, radius) = (exact(apex, o), exact(base, apex), number(&shape["r"]));
-                let solid = Cone { axis, radius };
-                let spot = |end| solid.spot(q, d, end);
-                Some(first(solid.span(q, d), spot, apex))
-            }
-            "plane" => {
-                // A disk that reaches beyond everything, and the plane's own routine.
-                let (p, normal) = (vector(&shape["p"]), vector(&shape["n"]));
-                let q = exact(p, o);
-                let radius = 1e60;
-                let disk = Disk { normal, radius };
-                let t = plane(q, d, normal).map(Twofold::value);
-                assert_eq!(disk.hit(q, d).map(|hit| hit.0), t);
-                Some(t.filter(|t| *t > 0.0).map(|t| {
-                    let spot = disk.spot(q, d).unwrap();
-                    (t, p + spot.offset, spot.normal)
-                }))
-            }
-            _ => None,
         }
-    }
-
-    fn exact(a: DVec3, b: DVec3) -> [Twofold; 3] {
-        [0, 1, 2].map(|k| Twofold::difference(a[k], b[k]))
-    }
-
-    /// The first end of a span with t > 0, and what is there.
-    fn first(
-        span: Option<Span>,
-        spot: impl Fn(usize) -> Option<Spot>,
-        anchor: DVec3,
-    ) -> Option<(f64, DVec3, DVec3)> {
-        let span = span?;
-        let end = (0..2).find(|&end| span.t[end].value() > 0.0)?;
-        let spot = spot(end)?;
-        Some((span.t[end].value(), anchor + spot.offset, spot.normal))
+        assert!(failures.is_empty(), "{failures:#?}");
     }
 
     #[test]
     fn rays_meet_shapes() {
-        judge("ray", |_, eval, expected, single, errors| {
+        judge("ray", |_, answer, expected, single, errors| {
             let margin = if single { 2e-6 } else { 1e-14 };
             let doubtful = ["margin", "bmin"]
                 .iter()
                 .filter_map(|m| expected[*m].as_f64())
                 .any(|m| m != 0.0 && m.abs() < margin);
-            let found = meet(vector(&eval["o"]), vector(&eval["d"]), &eval["prim"]);
-            let (false, Some(found)) = (doubtful, found) else {
+            if doubtful {
                 errors.skipped += 1;
                 return;
-            };
+            }
             errors.judged += 1;
-            if found.is_some() != expected["hit"].as_bool().unwrap() {
+            if answer["hit"] != expected["hit"] {
                 errors.bad += 1;
-            } else if let Some((t, p, n)) = found {
-                let t = if single { f64::from(t as f32) } else { t };
-                let (et, ep) = (number(&expected["t"]), vector(&expected["p"]));
-                errors.add("err_t", ((t - et) / et).abs());
-                errors.add(
-                    "err_p",
-                    farthest(rounded(p, single), ep) / ep.abs().max_element(),
-                );
-                errors.add(
-                    "err_n",
-                    farthest(rounded(n, single), vector(&expected["n"])),
-                );
+            } else if is_true(&answer["hit"]) {
+                let (t, p) = (number(&expected["t"]), &expected["p"]);
+                let size = (0..3).fold(0.0, |most: f64, k| most.max(number(&p[k]).abs()));
+                errors.add("err_t", ((number(&answer["t"]) - t) / t).abs());
+                errors.add("err_p", farthest(&answer["p"], p) / size);
+                errors.add("err_n", farthest(&answer["n"], &expected["n"]));
             }
         });
     }
 
     #[test]
     fn directions_after_refraction_and_reflection() {
-        judge("refr", |_, eval, expected, single, errors| {
+        judge("refr", |eval, answer, expected, single, errors| {
             let margin = number(&expected["margin"]);
             let least = if single { 2e-6 } else { 1e-13 };
             if (single && eval["prec"] == 64) || (margin != 0.0 && margin.abs() < least) {
@@ -1434,182 +1361,61 @@ mod numerics {
                 return;
             }
             errors.judged += 1;
-            let (d, n) = (vector(&eval["d"]), vector(&eval["n"]));
-            let passed = refract(d, n, number(&eval["eta_i"]), number(&eval["eta_t"]));
-            let total = passed == Transmission::Total;
-            if total != expected["tir"].as_bool().unwrap() {
+            if answer["tir"] != expected["tir"] {
                 errors.bad += 1;
                 return;
             }
-            errors.add(
-                "err",
-                farthest(rounded(reflect(d, n), single), vector(&expected["refl"])),
-            );
-            if let Transmission::Through { direction, .. } = passed {
-                errors.add(
-                    "err",
-                    farthest(rounded(direction, single), vector(&expected["refr"])),
-                );
+            errors.add("err", farthest(&answer["refl"], &expected["refl"]));
+            if !is_true(&answer["tir"]) {
+                errors.add("err", farthest(&answer["refr"], &expected["refr"]));
             }
         });
     }
 
     #[test]
     fn two_hundred_interfaces() {
-        judge("chain", |_, eval, expected, single, errors| {
+        judge("chain", |_, answer, expected, _, errors| {
             errors.judged += 1;
-            let mut d = vector(&eval["d"]);
-            for op in eval["ops"].as_array().unwrap() {
-                let n = vector(&op["n"]);
-                d = if op["op"] == "reflect" {
-                    reflect(d, n)
-                } else {
-                    match refract(d, n, number(&op["eta_i"]), number(&op["eta_t"])) {
-                        Transmission::Through { direction, .. } => direction,
-                        Transmission::Total => reflect(d, n),
-                    }
-                };
-            }
-            errors.add(
-                "err",
-                farthest(rounded(d, single), vector(&expected["dir"])),
-            );
+            errors.add("err", farthest(&answer["dir"], &expected["dir"]));
         });
-    }
-
-    fn mesh_scene(eval: &Value) -> Scene {
-        let mut scene = Scene::default();
-        // Corners are stored less the eye: at the origin they stay the numbers of the case.
-        (scene.camera.eye, scene.camera.target) = (DVec3::ZERO, DVec3::NEG_Z);
-        let m = glowing(&mut scene, 1.0);
-        let list = |x: &Value| x.as_array().unwrap().clone();
-        let triangle = |f: &Value| [0, 1, 2].map(|k| f[k].as_u64().unwrap() as u32);
-        let mesh = Mesh {
-            positions: list(&eval["v"]).iter().map(vector).collect(),
-            triangles: list(&eval["f"]).iter().map(triangle).collect(),
-            ..Mesh::default()
-        };
-        add_mesh(&mut scene, mesh, m);
-        scene
-    }
-
-    fn leaks<R: Real>(eval: &Value, expected: &Value, errors: &mut Errors) {
-        let scene = mesh_scene(eval);
-        let assembly = Assembly::<R>::new(&scene, None).unwrap();
-        let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
-        let mut walker = Walker::default();
-        for (ray, wanted) in eval["rays"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .zip(expected.as_array().unwrap())
-        {
-            errors.judged += 1;
-            let ray = Ray::new(vector(&ray["o"]), vector(&ray["d"]));
-            let hits = plan
-                .surfaces()
-                .crossings(&ray, &mut walker, |_| true)
-                .unwrap();
-            let balance: i32 = hits.iter().map(|h| if h.back { -1 } else { 1 }).sum();
-            let parity = balance.abs() != i32::from(wanted["inside"].as_bool().unwrap());
-            let must = wanted["must_hit"].as_bool().unwrap();
-            errors.bad += usize::from(parity) + usize::from(must && hits.is_empty());
-            if let (true, Some(hit)) = (must, hits.first()) {
-                let t = number(&wanted["t"]);
-                let found = R::from_f64(hit.t).to_f64();
-                errors.add("err_t", ((found - t) / t).abs());
-            }
-        }
     }
 
     #[test]
     fn closed_meshes_have_no_leak_and_one_owner() {
-        judge("mesh", |_, eval, expected, single, errors| {
-            if single {
-                leaks::<f32>(eval, expected, errors);
-            } else {
-                leaks::<f64>(eval, expected, errors);
-            }
-        });
-    }
-
-    fn shadowed<R: Real>(eval: &Value, expected: &Value, errors: &mut Errors) {
-        let mut scene = Scene::default();
-        let m = glowing(&mut scene, 1.0);
-        for shape in eval["prims"].as_array().unwrap() {
-            match shape["kind"].as_str().unwrap() {
-                "sphere" => {
-                    add(
-                        &mut scene,
-                        sphere(vector(&shape["c"]), number(&shape["r"])),
-                        &[m],
-                    );
-                }
-                "tri" => {
-                    let mesh = Mesh {
-                        positions: corners(&shape["v"]).map(DVec3::from_array).to_vec(),
-                        triangles: vec![[0, 1, 2]],
-                        ..Mesh::default()
-                    };
-                    add_mesh(&mut scene, mesh, m);
-                }
-                // An infinite plane stands as a patch that reaches far beyond everything else, if its corners are exact.
-                "plane" if vector(&shape["n"]) == DVec3::Y => {
-                    let reach = vector(&eval["o"]).abs() + vector(&eval["light"]).abs();
-                    let (_, side) = reach.max_element().power_of_two_scale();
-                    let side = side * 1024.0;
-                    let patch = Shape::Patch {
-                        corner: vector(&shape["p"]) - v(side, 0.0, side),
-                        edge_u: v(0.0, 0.0, 2.0 * side),
-                        edge_v: v(2.0 * side, 0.0, 0.0),
-                        tiles: [1, 1],
-                    };
-                    add(&mut scene, patch, &[m]);
-                }
-                _ => {
-                    errors.skipped += 1;
-                    return;
+        judge("mesh", |_, answer, expected, _, errors| {
+            let answers = answer.as_array().unwrap();
+            for (answer, wanted) in answers.iter().zip(expected.as_array().unwrap()) {
+                errors.judged += 1;
+                let hits = answer["hits"].as_array().unwrap();
+                let balance: i64 = hits.iter().map(|hit| hit[1].as_i64().unwrap()).sum();
+                let parity = balance.abs() != i64::from(is_true(&wanted["inside"]));
+                let must = is_true(&wanted["must_hit"]);
+                errors.bad += usize::from(parity) + usize::from(must && hits.is_empty());
+                if let (true, Some(hit)) = (must, hits.first()) {
+                    let t = number(&wanted["t"]);
+                    errors.add("err_t", ((number(&hit[0]) - t) / t).abs());
                 }
             }
-        }
-        errors.judged += 1;
-        let assembly = Assembly::<R>::new(&scene, Some(4)).unwrap();
-        let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
-        let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
-        let ray = Ray::new(vector(&eval["o"]), vector(&eval["d"]));
-        let lit = surfaces.closest_hit(&ray, &mut walker).is_some_and(|hit| {
-            let site = surfaces.site(&ray, &hit, None);
-            let light = vector(&eval["light"]);
-            let towards = light - site.foot.point;
-            // A triangle is lit on the side it is seen from, a sphere on the outside.
-            let seen_side = site.foot.normal.dot(ray.direction) < 0.0;
-            let light_side = site.foot.normal.dot(towards) > 0.0;
-            let facing = seen_side == light_side;
-            let shadow = Ray {
-                skip: site.skip[usize::from(!light_side)],
-                ..Ray::towards(site.foot.spawn(towards), light)
-            };
-            facing && !surfaces.any_hit(&shadow, &mut walker)
         });
-        errors.bad += usize::from(lit != expected["lit"].as_bool().unwrap());
     }
 
     #[test]
     fn spawned_rays_shadow_right() {
-        judge("shadow", |_, eval, expected, single, errors| {
-            if single {
-                shadowed::<f32>(eval, expected, errors);
-            } else {
-                shadowed::<f64>(eval, expected, errors);
-            }
+        judge("shadow", |_, answer, expected, _, errors| {
+            errors.judged += 1;
+            errors.bad += usize::from(answer["lit"] != expected["lit"]);
         });
+    }
+
+    fn far(a: rastray::math::DVec3, b: rastray::math::DVec3) -> f64 {
+        (a - b).abs().max_element()
     }
 
     #[test]
     fn unit_vectors_survive_extremes() {
         for k in [-120, -30, 0, 30, 120] {
             let d = v(3.0, -4.0, 12.0) * libm::exp2(f64::from(k));
-            assert!(farthest(unit(d), v(3.0, -4.0, 12.0) / 13.0) < 1e-16);
+            assert!(far(unit(d), v(3.0, -4.0, 12.0) / 13.0) < 1e-16);
         }
     }
 }

@@ -1,5 +1,4 @@
-//! The cases for numerical stability, kinds `light`, `raster`, `near`, `persp` and `depth` (others are left out of the
-//! answer).
+//! The cases for numerical stability, kinds `light`, `raster`, `near`, `persp` and `depth`; those of rays stand in `rays`.
 //!
 //! Coverage is decided on the vertices as given, whatever the precision; interpolated values are rounded to it.
 
@@ -83,8 +82,16 @@ struct Distances {
     z2: f64,
 }
 
-/// Writes the answer object.
-pub(crate) fn answer<R: Real>(text: &str, snap: Snap, out: &mut impl Write) -> Result<(), Failure> {
+/// Answers an evaluation of a kind; `None` where it does not know the kind.
+type Other = fn(&str, Value) -> Result<Option<Value>, Failure>;
+
+/// Writes the answer object; `other` answers the kinds that are not this module's, and kinds that it does not know are left out.
+pub(crate) fn answer<R: Real>(
+    text: &str,
+    snap: Snap,
+    other: Other,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     let cases: Vec<Case> = serde_json::from_str(text)?;
     let mut answers = serde_json::Map::new();
     for case in cases {
@@ -98,7 +105,7 @@ pub(crate) fn answer<R: Real>(text: &str, snap: Snap, out: &mut impl Write) -> R
                 "near" => near(evaluation, snap)?,
                 "persp" => persp::<R>(evaluation)?,
                 "depth" => depth(evaluation)?,
-                _ => return Ok(None),
+                kind => return other(kind, evaluation),
             }))
         };
         let list: Result<Option<Vec<Value>>, Failure> =

@@ -7,6 +7,7 @@
 mod gl_lights;
 mod gl_scene;
 mod numerics;
+mod rays;
 
 use std::io::{Read, Write};
 use std::process::ExitCode;
@@ -40,10 +41,12 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match (command, precision(arguments)?) {
         ("cases", Precision::F32) => {
-            numerics::answer::<f32>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+            let (text, snap) = (cases_file(arguments)?, snap(arguments)?);
+            numerics::answer::<f32>(&text, snap, rays::answer::<f32>, &mut out)?
         }
         ("cases", Precision::F64) => {
-            numerics::answer::<f64>(&cases_file(arguments)?, snap(arguments)?, &mut out)?
+            let (text, snap) = (cases_file(arguments)?, snap(arguments)?);
+            numerics::answer::<f64>(&text, snap, rays::answer::<f64>, &mut out)?
         }
         ("gl-lights", Precision::F32) => each_line(&mut out, gl_lights::answer::<f32>)?,
         ("gl-lights", Precision::F64) => each_line(&mut out, gl_lights::answer::<f64>)?,
