@@ -1224,14 +1224,12 @@ fn a_closed_room_shows_no_background() {
 // ---- The numerics cases ------------------------------------------------------------------------------------------------
 
 mod numerics {
-    //! Groups of `../shared/numerics` that rays decide, answered by the conformance adapter's own code, at the bars of both
+    //! The groups of the numerics set that rays decide (`tests/reference/README.md`), answered by the conformance adapter's own code, at the bars of both
     //! precisions. Inputs are f32 numbers but where a case says otherwise.
 
     use super::{Value, rays, v};
     use rastray::trace::exact::unit;
     use std::collections::BTreeMap;
-
-    const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/numerics");
 
     struct Cases {
         cases: Vec<Value>,
@@ -1239,23 +1237,18 @@ mod numerics {
         bars: Value,
     }
 
-    fn unzip(name: &str) -> Value {
-        let bytes = std::fs::read(format!("{FOLDER}/{name}")).unwrap();
-        serde_json::from_reader(flate2::read::GzDecoder::new(&bytes[..])).unwrap()
-    }
-
-    fn load() -> Option<Cases> {
-        if !std::path::Path::new(FOLDER).exists() {
-            println!("skipped: ../shared/numerics is not here");
-            return None;
+    fn load() -> Cases {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/tests/reference/numerics-rays.json.gz"
+        );
+        let bytes = std::fs::read(path).unwrap();
+        let all: Value = serde_json::from_reader(flate2::read::GzDecoder::new(&bytes[..])).unwrap();
+        Cases {
+            cases: all["cases"].as_array().unwrap().clone(),
+            expect: all["expect"].clone(),
+            bars: all["bars"].clone(),
         }
-        let bars = std::fs::read_to_string(format!("{FOLDER}/bars.json")).unwrap();
-        let bars: Value = serde_json::from_str(&bars).unwrap();
-        Some(Cases {
-            cases: unzip("cases.json.gz").as_array().unwrap().clone(),
-            expect: unzip("expect.json.gz"),
-            bars: bars["bars"].clone(),
-        })
     }
 
     fn number(x: &Value) -> f64 {
@@ -1292,7 +1285,7 @@ mod numerics {
     /// Answers the groups of a kind in both precisions and holds their worst errors to the bars. `compare` gets the case,
     /// its answer, what is expected, and whether the precision is f32.
     fn judge(kind: &str, compare: impl Fn(&Value, &Value, &Value, bool, &mut Errors)) {
-        let Some(all) = load() else { return };
+        let all = load();
         let mut failures = Vec::new();
         for case in all.cases.iter().filter(|c| c["kind"] == kind) {
             let id = case["id"].as_str().unwrap();
