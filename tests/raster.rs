@@ -480,6 +480,39 @@ fn the_nearer_wins_and_ties_go_to_the_lower_number() {
     }
 }
 
+/// GL_LESS on the window depth that the depth range makes: GL 2.1 sections 2.11.1 and 4.1.6.
+#[test]
+fn the_depth_range_decides_what_less_means() {
+    let mut scene = pixel_scene(2, 2);
+    scene.image.background = [0.125; 3];
+    // Drawn in the order middle, far, near; each covers the picture.
+    for (z, e) in [(1.0, 0.5), (-1.0, 0.25), (2.0, 0.75)] {
+        let corners = [[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]];
+        add_mesh(&mut scene, &corners, &[], glow([e; 3]));
+    }
+    for (range, depth_test, expected) in [
+        ([0.0, 1.0], true, 0.75),
+        ([0.25, 0.5], true, 0.75),
+        ([1.0, 0.0], true, 0.25),
+        ([0.5, 0.5], true, 0.5),
+        ([1.0, 1.0], true, 0.125),
+        ([0.0, 1.0], false, 0.75),
+        ([1.0, 0.0], false, 0.75),
+    ] {
+        (scene.raster.depth_range, scene.raster.depth_test) = (range, depth_test);
+        for snap in [Snap::Bits8, Snap::Exact] {
+            scene.raster.snap = snap;
+            let frame = draw(&scene, ShadeModel::Flat);
+            let found = frame.color.data.iter().all(|c| *c == [expected; 3]);
+            assert!(
+                found,
+                "{range:?} {depth_test} {snap:?}: {:?}",
+                frame.color.data
+            );
+        }
+    }
+}
+
 #[test]
 fn near_and_distant_surfaces_keep_their_order() {
     // Relative distances of 2^-22 at 5 million times near, as the depth cases ask; drawn far to near and near to far.

@@ -3,7 +3,7 @@
 
 use super::attribute::Weights;
 use super::records::{SampleBox, TILE, TileGrid};
-use super::setup::Builder;
+use super::setup::{Builder, DepthOrder};
 use super::tile::{Samples, Visibility};
 use super::view::{Vertex, View};
 use super::{Counters, edges};
@@ -84,7 +84,7 @@ fn covered(view: &View, corners: [Vertex; 3], origin: [i64; 2], size: [u32; 2]) 
         min: center,
         max: center,
     };
-    let mut builder = Builder::new(view, grid, samples, (Cull::None, true));
+    let mut builder = Builder::new(view, grid, samples, (Cull::None, DepthOrder::Nearest));
     // The way that a picture's triangles take.
     let small = |v: &Vertex| view.snap(v).and_then(edges::small);
     match [0, 1, 2].map(|i| small(&corners[i]).filter(|_| view.holds(&corners[i]))) {

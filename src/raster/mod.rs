@@ -58,7 +58,7 @@ use crate::scene::requirements::{self, Feature, Model, Requirements};
 use draw::Drawer;
 use lit::Mode;
 use records::{Chunk, SampleBox, TileGrid};
-use setup::Builder;
+use setup::{Builder, DepthOrder};
 use view::{Vertex, View};
 
 /// The most pixels a picture may have.
@@ -243,7 +243,8 @@ impl<'a, R: Real> Plan<'a, R> {
         let chunks = triangles.par_chunks(length).enumerate();
         chunks
             .map(|(index, part)| {
-                let state = (self.scene.raster.cull, self.scene.raster.depth_test);
+                let raster = &self.scene.raster;
+                let state = (raster.cull, DepthOrder::of(raster));
                 let mut builder = Builder::new(&self.view, self.grid, samples, state);
                 for (i, corners) in part.iter().enumerate() {
                     let primitive = (index * length + i) as u32;

@@ -14,7 +14,36 @@ use super::records::{BY_SIDES, Chunk, Record, SampleBox, TILE, TileArea, TileGri
 use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
 use crate::math::float::dot;
-use crate::scene::Cull;
+use crate::scene::{Cull, RasterSettings};
+
+/// Which of the surfaces that cover a sample shows: GL_LESS on window depth (GL 2.1 sections 2.11.1 and 4.1.6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DepthOrder {
+    /// The nearest; the first one drawn at equal depths.
+    Nearest,
+    /// The farthest: the depth range is turned round.
+    Farthest,
+    /// The first one drawn: the depth range is a single depth.
+    First,
+    /// The last one drawn: there is no depth test.
+    Last,
+    /// None: every depth is 1, which is not less than what the buffer is cleared to.
+    Never,
+}
+
+impl DepthOrder {
+    /// What a scene's settings ask for.
+    pub(super) fn of(raster: &RasterSettings) -> Self {
+        let [near, far] = raster.depth_range;
+        match (raster.depth_test, near.total_cmp(&far)) {
+            (false, _) => Self::Last,
+            (true, std::cmp::Ordering::Less) => Self::Nearest,
+            (true, std::cmp::Ordering::Greater) => Self::Farthest,
+            (true, std::cmp::Ordering::Equal) if near == 1.0 => Self::Never,
+            (true, std::cmp::Ordering::Equal) => Self::First,
+        }
+    }
+}
 
 /// Sets up triangles in primitive order.
 pub(super) struct Builder<'a> {
@@ -22,7 +51,7 @@ pub(super) struct Builder<'a> {
     grid: TileGrid,
     samples: SampleBox,
     cull: Cull,
-    depth_test: bool,
+    order: DepthOrder,
     chunk: Chunk,
     /// Tile and record, in primitive order.
     entries: Vec<(u32, u32)>,
@@ -34,14 +63,14 @@ impl<'a> Builder<'a> {
         view: &'a View,
         grid: TileGrid,
         samples: SampleBox,
-        (cull, depth_test): (Cull, bool),
+        (cull, order): (Cull, DepthOrder),
     ) -> Self {
         Self {
             view,
             grid,
             samples,
             cull,
-            depth_test,
+            order,
             chunk: Chunk::default(),
             entries: Vec::new(),
         }
@@ -245,19 +274,20 @@ impl<'a> Builder<'a> {
         Some(range)
     }
 
-    /// The depth key of a triangle, and the least and greatest key of the part that is drawn. Without a depth test the
-    /// key is the primitive number: the last one drawn shows.
+    /// The depth key of a triangle, and the least and greatest key of the part that is drawn: the largest key shows, the
+    /// first one drawn of equals.
     fn depth(
         &self,
         primitive: u32,
         corners: &[Vertex; 3],
         drawn: &[Vertex],
     ) -> ([f64; 3], [f32; 2]) {
-        if !self.depth_test {
-            return (
-                [f64::from(primitive), 0.0, 0.0],
-                [f32::NEG_INFINITY, f32::INFINITY],
-            );
+        let everywhere = |key: f64| ([key, 0.0, 0.0], [f32::NEG_INFINITY, f32::INFINITY]);
+        match self.order {
+            DepthOrder::Last => return everywhere(f64::from(primitive)),
+            DepthOrder::First => return everywhere(0.0),
+            DepthOrder::Never => return everywhere(f64::NEG_INFINITY),
+            DepthOrder::Nearest | DepthOrder::Farthest => {}
         }
         let keys = drawn.iter().map(|v| self.view.depth_key(v));
         let (least, most) = keys.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), k| {
@@ -270,7 +300,11 @@ impl<'a> Builder<'a> {
         if f64::from(range[1]) < most {
             range[1] = range[1].next_up();
         }
-        (key_plane(self.view, corners), range)
+        let plane = key_plane(self.view, corners);
+        if self.order == DepthOrder::Farthest {
+            return (plane.map(|k| -k), [-range[1], -range[0]]);
+        }
+        (plane, range)
     }
 
     fn push(

@@ -139,7 +139,8 @@ pub struct RasterSettings {
     pub cull: Cull,
     /// Front winding. Default counter-clockwise.
     pub front_face: FrontFace,
-    /// GL depth range of near and far. Default 0, 1.
+    /// GL depth range of near and far. Turned round, the farthest surface shows; a single depth, the first one drawn (none at
+    /// depth 1, to which the buffer is cleared). The tracer ignores it. Default 0, 1.
     pub depth_range: [f64; 2],
     /// Sub-pixel grid. Default 8 bits.
     pub snap: Snap,
