@@ -8,24 +8,32 @@
 #[allow(dead_code, reason = "the probe uses all of it, this test a part")]
 #[path = "probe/gl_lights.rs"]
 mod gl_lights;
+#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
+#[path = "probe/gl_scene.rs"]
+mod gl_scene;
 
 use std::io::Read;
+use std::path::Path;
 
+use rastray::context::{
+    Array, Buffers, Capability, Context, LightParameter, MatrixMode, PrimitiveMode,
+};
 use rastray::error::Error;
 use rastray::frame::{Frame, NONE};
-use rastray::gl::{ColorControl, LightModel, LightSource, Material, ShadeModel, SpecularModel};
+use rastray::gl::{
+    self, ColorControl, ColorMaterial, ColorMaterialMode, Face, LightModel, LightSource, Material,
+    ShadeModel, SpecularModel,
+};
 use rastray::import::{LoadOptions, load, shipped};
 use rastray::lanes::{Isa, Real};
 use rastray::math::color::clamp_rgb;
 use rastray::peers::agreement::{Agreement, Pair};
-use rastray::peers::opengl::{
-    Driver, Info, LightPoint, Method, Options, Picture, Tracked, with_driver,
-};
+use rastray::peers::opengl::{Driver, Info, LightPoint, Method, Options, Picture, with_driver};
 use rastray::raster;
 use rastray::sampling::Pattern;
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
-use rastray::scene::{Cull, FrontFace, Projection, Scene};
+use rastray::scene::{Cull, FrontFace, Projection, Scene, Snap};
 use serde_json::Value;
 
 type Failure = Box<dyn std::error::Error>;
@@ -282,6 +290,243 @@ fn orthographic_without_a_far_plane_and_long_normals() {
     assert_agrees(&scene, "normals longer than 1");
 }
 
+/// The shipped scene of vertex colours: ambient and diffuse terms that follow, an emission that does, a floor that does not.
+fn colored() -> Scene {
+    let mut scene = scene("vertex-colours", 160, 120);
+    scene.light_model.specular_model = SpecularModel::HalfVector;
+    assert!(scene.has_vertex_colors());
+    scene
+}
+
+#[test]
+fn vertex_colours_are_color_material_in_every_shading() {
+    for shading in SHADINGS {
+        let mut scene = colored();
+        scene.raster.shading = shading;
+        let Some(method) = assert_agrees(&scene, &format!("vertex colours, {shading:?}")) else {
+            return;
+        };
+        let fixed = method == Method::FixedFunction { passes: 1 };
+        assert_eq!(fixed, shading != ShadeModel::Phong);
+        // Each mode of glColorMaterial, on the front alone and on both sides of two-sided triangles.
+        scene.light_model.two_sided = true;
+        for &(name, mode) in ColorMaterialMode::NAMES {
+            for face in [Face::Front, Face::Back, Face::FrontAndBack] {
+                for material in &mut scene.materials[..2] {
+                    let setting = ColorMaterial { face, mode };
+                    let mut back = material.front.clone();
+                    material.front.tracked = setting.tracked(false);
+                    back.tracked = setting.tracked(true);
+                    material.back = Some(back);
+                }
+                for front_face in [FrontFace::Ccw, FrontFace::Cw] {
+                    scene.raster.front_face = front_face;
+                    let what = format!("{name} of {face:?}, {front_face:?} {shading:?}");
+                    let method = assert_agrees(&scene, &what).expect("the driver is there");
+                    // Mesa's colour material of back faces alone is wrong, and left to a shader.
+                    let spared = face == Face::Back && mode != ColorMaterialMode::Emission;
+                    let fixed = method == Method::FixedFunction { passes: 1 };
+                    assert!(
+                        spared || fixed == (shading != ShadeModel::Phong),
+                        "{method:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The reflection form, and terms that no glColorMaterial combines.
+#[test]
+fn vertex_colours_beyond_fixed_function() {
+    let mut reflection = colored();
+    reflection.light_model.specular_model = SpecularModel::Reflection;
+    let mut combined = colored();
+    let front = &mut combined.materials[0].front.tracked;
+    (front.specular, front.ambient) = (true, false);
+    let mut different = colored();
+    different.light_model.two_sided = true;
+    let mut back = different.materials[0].front.clone();
+    back.tracked = gl::Tracked::default();
+    back.tracked.specular = true;
+    different.materials[0].back = Some(back);
+    for (scene, word) in [
+        (reflection, "reflection"),
+        (combined, "vertex colour"),
+        (different, "vertex colour"),
+    ] {
+        let Some(method) = assert_agrees(&scene, word) else {
+            return;
+        };
+        let Method::VertexShader { because } = method else {
+            panic!("{word}: {method:?}");
+        };
+        assert!(because.contains(word), "{because}");
+    }
+}
+
+/// An emission that follows the colour is added in the first of two passes only.
+#[test]
+fn vertex_colours_under_twelve_lights() {
+    let mut scene = colored();
+    let light = scene.lights[0].clone();
+    for i in 0..11 {
+        let mut light = light.clone();
+        light.name = format!("more {i}");
+        light.source.diffuse = [0.05 * f64::from(i), 0.1, 0.02];
+        light.source.ambient = [0.01, 0.0, 0.02];
+        scene.lights.push(light);
+    }
+    if let Some(method) = assert_agrees(&scene, "vertex colours, twelve lights") {
+        assert_eq!(method, Method::FixedFunction { passes: 2 });
+    }
+}
+
+#[test]
+fn without_a_depth_test_and_without_snapping() {
+    let mut scene = scene("two-sided", 160, 120);
+    scene.light_model.specular_model = SpecularModel::HalfVector;
+    let Some((tested, _)) = versus(&scene, true) else {
+        return;
+    };
+    scene.raster.depth_test = false;
+    assert_agrees(&scene, "no depth test");
+    let (last, agreement) = versus(&scene, true).expect("the driver is there");
+    assert_eq!(agreement.other_triangle.depth_tie, 0);
+    assert!(last.window_depth.data.iter().all(|z| *z == 1.0));
+    let changed = tested.primitive.data.iter().zip(&last.primitive.data);
+    assert!(changed.filter(|(a, b)| a != b).count() > 100);
+    scene.raster.depth_test = true;
+    scene.raster.snap = Snap::Exact;
+    assert_agrees(&scene, "no snapping");
+}
+
+/// A fixed-function program: a waved sheet with colours under a projection of its own.
+fn program(project: impl Fn(&mut Context)) -> Scene {
+    let mut gl = Context::new(160, 120);
+    gl.clear_color(0.1, 0.2, 0.3, 1.0);
+    gl.clear(Buffers::COLOR | Buffers::DEPTH);
+    gl.matrix_mode(MatrixMode::Projection);
+    project(&mut gl);
+    gl.matrix_mode(MatrixMode::ModelView);
+    for on in [
+        Capability::Lighting,
+        Capability::Light(0),
+        Capability::DepthTest,
+        Capability::Normalize,
+        Capability::ColorMaterial,
+    ] {
+        gl.enable(on);
+    }
+    gl.depth_range(0.2, 0.9);
+    gl.light(0, LightParameter::Position([1.0, 2.0, 1.0, 1.0]));
+    gl.translate(0.2, 0.0, -4.0);
+    gl.rotate(35.0, 1.0, 0.3, 0.0);
+    const N: u32 = 12;
+    let (mut points, mut normals, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..=N {
+        for j in 0..=N {
+            let [x, y] = [i, j].map(|k| f64::from(k) / f64::from(N) * 3.0 - 1.5);
+            points.extend([x, y, 0.4 * libm::sin(3.0 * x)]);
+            normals.extend([-1.2 * libm::cos(3.0 * x), 0.0, 1.0]);
+            colors.extend([0.5 + x / 3.0, 0.5 + y / 3.0, 0.4]);
+        }
+    }
+    let cell = |k: u32| {
+        let first = k / N * (N + 1) + k % N;
+        [first, first + N + 1, first + N + 2, first + 1]
+    };
+    let quads: Vec<u32> = (0..N * N).flat_map(cell).collect();
+    for array in [Array::Vertex, Array::Normal, Array::Color] {
+        gl.enable_client_state(array);
+    }
+    gl.vertex_pointer(3, &points);
+    gl.normal_pointer(&normals);
+    gl.color_pointer(3, &colors);
+    gl.draw_elements(PrimitiveMode::Quads, &quads);
+    assert_eq!(gl.get_error(), None);
+    let mut scene = gl.scene().expect("one picture");
+    (scene.image.samples, scene.image.pattern) = (1, Pattern::Grid);
+    scene
+}
+
+/// Frusta and boxes beside the axis, and a matrix whose depth is no function of the distance: colours and window depths.
+#[test]
+fn projections_of_fixed_function_programs() {
+    let off_centre = |gl: &mut Context| gl.frustum(-0.5, 0.9, -0.7, 0.4, 1.0, 9.0);
+    let beside = |gl: &mut Context| gl.ortho(-1.5, 2.5, -2.0, 1.0, -1.0, 9.0);
+    let turned = |gl: &mut Context| {
+        off_centre(gl);
+        gl.rotate(12.0, 0.3, 1.0, 0.2);
+    };
+    let programs: [(&str, Scene); 3] = [
+        ("off-centre frustum", program(off_centre)),
+        ("box beside the axis", program(beside)),
+        ("turned frustum", program(turned)),
+    ];
+    for (what, mut scene) in programs {
+        assert!(matches!(scene.camera.projection, Projection::Matrix { .. }));
+        assert!(scene.has_vertex_colors());
+        for shading in SHADINGS {
+            scene.raster.shading = shading;
+            if assert_agrees(&scene, &format!("{what}, {shading:?}")).is_none() {
+                return;
+            }
+            let (_, agreement) = versus(&scene, true).expect("the driver is there");
+            assert!(agreement.depth_max <= 5e-6, "{what}: {agreement:?}");
+        }
+    }
+}
+
+/// The scenes that drivers' pictures were recorded of, drawn by the driver of this machine.
+#[test]
+fn recorded_scenes() {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let all = repository.join("../shared/gl/scenes");
+    let folder = if all.is_dir() {
+        all
+    } else {
+        println!("skipped: the scenes that {} holds alone", all.display());
+        repository.join("tests/reference/gl-scenes")
+    };
+    let entries = std::fs::read_dir(&folder).expect("a folder");
+    let mut paths: Vec<_> = entries.map(|e| e.expect("an entry").path()).collect();
+    paths.sort();
+    let mut seen = 0;
+    for path in paths {
+        let name = path.file_name().and_then(|n| n.to_str()).expect("a name");
+        let Some(name) = name.strip_suffix(".json.gz") else {
+            continue;
+        };
+        let text = unpack(&path);
+        let case: gl_scene::Case = serde_json::from_str(&text).expect("a scene");
+        let mut scene = case.record(&folder).expect("recorded");
+        for shading in SHADINGS {
+            scene.raster.shading = shading;
+            for clamp in [true, false] {
+                let Some((picture, a)) = versus(&scene, clamp) else {
+                    return;
+                };
+                let what = format!("{name}, {shading:?}, clamp {clamp}, {}", picture.method);
+                println!("{what}: {a:?}");
+                // The bars that the recorded pictures are held to.
+                let bar = if name == "slivers" { 1e-3 } else { 5e-5 };
+                let c = &a.same_triangle;
+                assert!(
+                    c.pixels > 1000 && c.max <= bar && c.mean <= 2e-6,
+                    "{what}: {a:?}"
+                );
+                assert!(a.depth_max <= 5e-6, "{what}: {a:?}");
+                assert_eq!(a.one_only.unexplained, 0, "{what}: {a:?}");
+                assert_eq!(a.other_triangle.unexplained, 0, "{what}: {a:?}");
+                assert!(a.background_max <= 1e-7, "{what}: {a:?}");
+            }
+        }
+        seen += 1;
+    }
+    assert!(seen >= 9, "{seen} scenes");
+}
+
 /// Samples are passes with a shifted picture: their mean is ours, but for pixels at edges.
 #[test]
 fn samples_are_averaged() {
@@ -491,8 +736,15 @@ fn shipped_scenes() {
 }
 
 fn reference(name: &str) -> String {
-    let path = format!("{}/tests/reference/{name}", env!("CARGO_MANIFEST_DIR"));
-    let bytes = std::fs::read(&path).expect("reference data");
+    unpack(
+        &Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("tests/reference")
+            .join(name),
+    )
+}
+
+fn unpack(path: &Path) -> String {
+    let bytes = std::fs::read(path).expect("reference data");
     let mut text = String::new();
     flate2::read::GzDecoder::new(&bytes[..])
         .read_to_string(&mut text)
@@ -551,14 +803,8 @@ fn light_point(case: &Value) -> Option<LightPoint> {
     let flag = |name: &str| case[name].as_bool().unwrap_or(false);
     let tracked = &case["color_material"];
     let front = tracked["face"] == "front" || tracked["face"] == "front_and_back";
-    let color_material = match tracked["mode"].as_str() {
-        Some("emission") => Some(Tracked::Emission),
-        Some("ambient") => Some(Tracked::Ambient),
-        Some("diffuse") => Some(Tracked::Diffuse),
-        Some("specular") => Some(Tracked::Specular),
-        Some("ambient_and_diffuse") => Some(Tracked::AmbientAndDiffuse),
-        _ => None,
-    };
+    let mode = |name: &str| ColorMaterialMode::NAMES.iter().find(|(n, _)| *n == name);
+    let color_material = tracked["mode"].as_str().and_then(mode).map(|m| m.1);
     Some(LightPoint {
         modelview: numbers(&case["modelview"], IDENTITY).map(|x| x as f32),
         light_modelview: numbers(&case["light_modelview"], IDENTITY).map(|x| x as f32),

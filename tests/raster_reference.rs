@@ -16,8 +16,9 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use rastray::gl::ShadeModel;
 use rastray::lanes::Real;
-use rastray::scene::Snap;
+use rastray::scene::{Projection, Snap};
 use serde_json::Value;
 
 type Failure = Box<dyn std::error::Error>;
@@ -275,21 +276,25 @@ fn all_scenes_look_as_both_drivers_draw_them() {
     assert_eq!(compare_folder::<f32>(&folder), 44);
 }
 
-/// A mesh with everything that a modelview may be, drawn through a matrix and through the camera that the matrix is of.
+/// A mesh with everything that a modelview may be, drawn through gluPerspective's matrix and through the camera that the
+/// matrix is of.
 #[test]
 fn a_matrix_projection_is_the_cameras() {
     let folder = repository().join("tests/reference/gl-scenes");
     let text = unpack(&folder.join("two_sided.json.gz"));
-    let mut scene: Value = serde_json::from_slice(&text).expect("JSON");
-    scene["modelview"][0] = (-1.3).into();
-    scene["meshes"][0]["modelview"][5] = 0.4.into();
-    let draw = |scene: &Value| {
-        let shading = gl_scene::shading("phong").expect("a mode");
-        gl_scene::draw::<f64>(&scene.to_string(), &folder, shading, Snap::Bits8).expect("drawn")
-    };
-    let camera = draw(&scene);
-    scene["projection"]["aspect"] = (128.0 / 96.0).into();
-    let matrix = draw(&scene);
+    let mut json: Value = serde_json::from_slice(&text).expect("JSON");
+    json["modelview"][0] = (-1.3).into();
+    json["meshes"][0]["modelview"][5] = 0.4.into();
+    let of = |key: &str| json["projection"][key].as_f64().expect("a number");
+    let (fovy_deg, near, far) = (of("fovy"), of("near"), of("far"));
+    let case: gl_scene::Case = serde_json::from_value(json).expect("a scene");
+    let mut scene = case.record(&folder).expect("recorded");
+    let shading = gl_scene::shading("phong").expect("a mode");
+    let matrix = case.buffers::<f64>(&scene, shading).expect("drawn");
+    assert!(matches!(scene.camera.projection, Projection::Matrix { .. }));
+    scene.camera.projection = Projection::Perspective { fovy_deg };
+    (scene.camera.near, scene.camera.far) = (near, Some(far));
+    let camera = case.buffers::<f64>(&scene, shading).expect("drawn");
     assert!(camera.prim.iter().filter(|p| **p >= 0).count() > 1000);
     assert_eq!(camera.prim, matrix.prim);
     for (a, b) in camera.rgba.iter().zip(&matrix.rgba) {
@@ -298,6 +303,18 @@ fn a_matrix_projection_is_the_cameras() {
     for (a, b) in camera.depth.iter().zip(&matrix.depth) {
         assert!((a - b).abs() < 1e-6);
     }
+}
+
+/// What GL refuses is said, and where.
+#[test]
+fn values_that_gl_refuses_name_their_mesh() {
+    let text = r#"{"width": 4, "height": 4, "meshes": [{}, {"material": {"shininess": 300}}]}"#;
+    let drawn = gl_scene::draw::<f32>(text, repository(), ShadeModel::Flat, Snap::Bits8);
+    let error = drawn.err().expect("shininess is 128 at most").to_string();
+    assert!(
+        error.contains("mesh 1") && error.contains("InvalidValue"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -92,6 +92,24 @@ impl ColorMaterial {
             specular: on(&[Specular]),
         }
     }
+
+    /// The setting under which front and back follow with these terms; `None` where no face and mode of GL does that.
+    ///
+    /// ```
+    /// use rastray::gl::{ColorMaterial, ColorMaterialMode, Face, Tracked};
+    /// let setting = ColorMaterial { face: Face::Back, mode: ColorMaterialMode::Specular };
+    /// assert_eq!(ColorMaterial::of([setting.tracked(false), setting.tracked(true)]), Some(setting));
+    /// let both = Tracked { emission: true, specular: true, ..Tracked::default() };
+    /// assert_eq!(ColorMaterial::of([both, both]), None);
+    /// ```
+    pub fn of(sides: [Tracked; 2]) -> Option<Self> {
+        let modes = |face| {
+            let modes = ColorMaterialMode::NAMES.iter();
+            modes.map(move |&(_, mode)| Self { face, mode })
+        };
+        let mut settings = Face::NAMES.iter().flat_map(|&(_, face)| modes(face));
+        settings.find(|setting| [false, true].map(|back| setting.tracked(back)) == sides)
+    }
 }
 
 /// The terms of a material that the vertex colour overwrites; none by default.

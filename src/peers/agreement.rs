@@ -15,7 +15,7 @@ use crate::frame::{Frame, NONE};
 use crate::gl::ShadeModel;
 use crate::lanes::Real;
 use crate::raster;
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::Scene;
 
 /// Difference of two window depths below which either may win: GL interpolates them in f32 (the bar that recorded pictures
 /// of both of Mesa's software drivers keep).
@@ -138,9 +138,10 @@ impl Agreement {
         let (ours, theirs) = (&pair.ours.primitive, &pair.peer.primitive);
         let edges = [ours, theirs].map(|p| pair.plan.near_edge(p, pair.edge_px));
         let jumps = pair.plan.near_jump(ours, pair.shading);
+        let depths = pair.depth_errors();
         let mut found = Self::default();
         let mut sum = 0.0;
-        for pixel in 0..ours.data.len() {
+        for (pixel, depth_error) in depths.into_iter().enumerate() {
             let (a, b) = (ours.data[pixel], theirs.data[pixel]);
             let place = [pixel % ours.width, pixel / ours.width];
             let error = pair.error(pixel);
@@ -155,7 +156,7 @@ impl Agreement {
             }
             if a != b {
                 let edge = edges[0].data[pixel] || edges[1].data[pixel];
-                found.differ(pair.reason(pixel, edge), [a, b], place);
+                found.differ(pair.reason(pixel, edge, depth_error), [a, b], place);
             } else if jumps.data[pixel] {
                 found.same_triangle.jump_pixels += 1;
                 found.same_triangle.jump_max = found.same_triangle.jump_max.max(error);
@@ -164,7 +165,7 @@ impl Agreement {
                 found.same_triangle.add(error, place);
             }
             if a == b {
-                found.depth_max = found.depth_max.max(pair.depth_error(pixel));
+                found.depth_max = found.depth_max.max(depth_error);
             }
         }
         let judged = found.same_triangle.pixels;
@@ -216,60 +217,25 @@ impl<R: Real> Pair<'_, R> {
         errors.into_iter().fold(0.0, f64::max)
     }
 
-    fn reason(&self, pixel: usize, edge: bool) -> Reason {
+    fn reason(&self, pixel: usize, edge: bool, depth_error: f64) -> Reason {
         let covered =
             self.ours.primitive.data[pixel] != NONE && self.peer.primitive.data[pixel] != NONE;
+        // Without a depth test the last triangle wins, and depths say nothing.
+        let tested = self.scene.raster.depth_test;
         if edge {
             Reason::Edge
-        } else if covered && self.depth_error(pixel) <= DEPTH_TIE {
+        } else if covered && tested && depth_error <= DEPTH_TIE {
             Reason::DepthTie
         } else {
             Reason::Unexplained
         }
     }
 
-    fn depth_error(&self, pixel: usize) -> f64 {
-        let distance = self.ours.depth.data[pixel].to_f64();
-        let [near, far] = self.scene.raster.depth_range.map(|d| d.clamp(0.0, 1.0));
-        let ours = near + (far - near) * window_depth(&self.peer.camera, distance);
-        (ours - f64::from(self.peer.window_depth.data[pixel])).abs()
-    }
-}
-
-/// GL's window depth, 0 at near and 1 at far, of a distance along -z (GL 2.1 section 2.11.1).
-fn window_depth(camera: &Camera, distance: f64) -> f64 {
-    let near = camera.near;
-    match (camera.projection, camera.far) {
-        (Projection::Perspective { .. }, None) => 1.0 - near / distance,
-        (Projection::Perspective { .. }, Some(far)) => far / (far - near) * (1.0 - near / distance),
-        (Projection::Orthographic { .. }, far) => {
-            (distance - near) / (far.unwrap_or(f64::INFINITY) - near)
-        }
-        (Projection::Matrix { clip_from_eye }, _) => {
-            // On the axis, as everywhere under frusta and boxes.
-            let clip = clip_from_eye * crate::math::DVec4::new(0.0, 0.0, -distance, 1.0);
-            (clip.z / clip.w + 1.0) / 2.0
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn window_depth_is_that_of_the_matrix() {
-        for far in [Some(20.0), None] {
-            let camera = Camera {
-                near: 0.5,
-                far,
-                ..Camera::default()
-            };
-            for distance in [0.5, 0.75, 3.0, 20.0] {
-                let clip = camera.clip_from_eye(1.0) * glam::DVec4::new(0.0, 0.0, -distance, 1.0);
-                let expected = (clip.z / clip.w + 1.0) / 2.0;
-                assert!((window_depth(&camera, distance) - expected).abs() < 1e-15);
-            }
-        }
+    /// Differences of the window depths under the peer's projection, whatever its form.
+    fn depth_errors(&self) -> Vec<f64> {
+        let ours = self.plan.window_depth_under(&self.peer.camera, self.ours);
+        let theirs = &self.peer.window_depth.data;
+        let pairs = ours.data.iter().zip(theirs);
+        pairs.map(|(a, b)| (a - f64::from(*b)).abs()).collect()
     }
 }

@@ -12,16 +12,24 @@ use super::{Counters, Plan};
 use crate::frame::{Frame, NONE, Plane};
 use crate::lanes::Real;
 use crate::math::DVec3;
+use crate::math::color::clamp01;
 use crate::sampling::SUBPIXEL;
+use crate::scene::Camera;
 
 impl<R: Real> Plan<'_, R> {
     /// Window depth of what a frame of this plan shows, after the scene's depth range: 1, GL's clear value, where nothing
     /// is seen or nothing wrote depth.
     pub fn window_depth(&self, frame: &Frame<R>) -> Plane<f64> {
+        self.window_depth_under(&self.scene.camera, frame)
+    }
+
+    /// The same under another projection of the same view, such as one with a far plane where the scene's has none.
+    pub fn window_depth_under(&self, camera: &Camera, frame: &Frame<R>) -> Plane<f64> {
         let width = frame.primitive.width.max(1);
         let [w, h] = self.grid.size.map(|n| n as f64);
-        let clip_from_eye = self.scene.camera.clip_from_eye(w / h);
-        let [near, far] = self.scene.raster.depth_range;
+        let clip_from_eye = camera.clip_from_eye(w / h);
+        // glDepthRange clamps (GL 2.1 section 2.11.1).
+        let [near, far] = self.scene.raster.depth_range.map(clamp01);
         let depth = |(pixel, &primitive): (usize, &u32)| {
             if primitive == NONE || !self.scene.raster.depth_test {
                 return 1.0;

@@ -11,7 +11,6 @@ use rastray::gl::{
 use rastray::lanes::{Isa, Real};
 use rastray::lighting::{Illumination, Points, Rig, Sink, Visibility, shade, to_viewer};
 use rastray::math::color::clamp_rgb;
-use rastray::math::{DMat3, DMat4, DVec3, DVec4};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::{Light, LightSpace, Scene};
 use serde::Deserialize;
@@ -169,19 +168,6 @@ impl CaseMaterial {
             diffuse: list(&self.diffuse),
             specular: list(&self.specular),
             shininess: single(self.shininess),
-        }
-    }
-
-    /// As glMaterial sets it.
-    pub(crate) fn material(&self) -> Material {
-        Material {
-            emission: rgb(&self.emission),
-            ambient: rgb(&self.ambient),
-            diffuse: rgb(&self.diffuse),
-            specular: rgb(&self.specular),
-            alpha: self.diffuse.get(3).copied().unwrap_or(1.0),
-            shininess: self.shininess,
-            ..Material::default()
         }
     }
 }
@@ -363,10 +349,14 @@ fn record(case: &Case) -> Result<Scene, Failure> {
     let [r, g, b, a] = case.color;
     gl.color4(r, g, b, a);
     if let Some(setting) = &case.color_material {
-        let face = named(Face::NAMES, "face", &setting.face)?;
+        let face = named(Face::NAMES, "color_material face", &setting.face)?;
         gl.color_material(
             face,
-            named(ColorMaterialMode::NAMES, "mode", &setting.mode)?,
+            named(
+                ColorMaterialMode::NAMES,
+                "color_material mode",
+                &setting.mode,
+            )?,
         );
         gl.enable(Capability::ColorMaterial);
     }
@@ -387,7 +377,8 @@ fn record(case: &Case) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-fn set_light(gl: &mut Context, number: usize, light: &CaseLight) {
+/// glLight for every parameter, and switches the light on.
+pub(crate) fn set_light(gl: &mut Context, number: usize, light: &CaseLight) {
     use LightParameter as L;
     let [constant, linear, quadratic] = light.attenuation;
     gl.enable(Capability::Light(number));
@@ -407,7 +398,8 @@ fn set_light(gl: &mut Context, number: usize, light: &CaseLight) {
     }
 }
 
-fn set_material(gl: &mut Context, face: Face, material: &CaseMaterial) {
+/// glMaterial for every parameter of a face.
+pub(crate) fn set_material(gl: &mut Context, face: Face, material: &CaseMaterial) {
     use MaterialParameter as M;
     for parameter in [
         M::Emission(rgba(&material.emission)),
@@ -440,7 +432,7 @@ fn beyond_gl(case: &Case, scene: &mut Scene) -> Result<(), Failure> {
 }
 
 /// A colour with three or four components; alpha 1 where there is none.
-fn rgba(list: &[f64]) -> [f64; 4] {
+pub(crate) fn rgba(list: &[f64]) -> [f64; 4] {
     let [r, g, b] = rgb(list);
     [r, g, b, list.get(3).copied().unwrap_or(1.0)]
 }
@@ -472,25 +464,10 @@ pub(crate) fn signed(lights: &[LightSource], materials: &[&Material], model: &Li
     scene.has_negative_colors()
 }
 
-pub(crate) fn to_eye(light: &CaseLight, eye_from_light: &DMat4) -> LightSource {
-    let position = *eye_from_light * DVec4::from_array(light.position);
-    let spot = DMat3::from_mat4(*eye_from_light) * DVec3::from_array(light.spot_direction);
-    LightSource {
-        ambient: rgb(&light.ambient),
-        diffuse: rgb(&light.diffuse),
-        specular: rgb(&light.specular),
-        position: position.to_array(),
-        spot_direction: spot.to_array(),
-        spot_exponent: light.spot_exponent,
-        spot_cutoff_deg: light.spot_cutoff,
-        attenuation: light.attenuation,
-    }
-}
-
 /// The value of a name in a table of names.
-fn named<T: Copy>(table: &[(&str, T)], what: &str, name: &str) -> Result<T, Failure> {
+pub(crate) fn named<T: Copy>(table: &[(&str, T)], what: &str, name: &str) -> Result<T, Failure> {
     let found = table.iter().find(|(n, _)| *n == name);
     found
         .map(|(_, value)| *value)
-        .ok_or_else(|| format!("color_material: unknown {what} {name:?}").into())
+        .ok_or_else(|| format!("{what}: unknown value {name:?}").into())
 }

@@ -1,33 +1,35 @@
-//! A whole scene in the form of OpenGL's state, drawn by the rasterizer, and the buffers that OpenGL would leave.
+//! A whole scene in the form of OpenGL's state: set and drawn through the library's fixed-function context, rasterized, and
+//! the buffers that OpenGL would leave. Precision, shading and clamps are this adapter's.
 //!
 //! In: the scene's JSON (matrices column-major, numbers rounded to f32 as OpenGL was given them). Out: [`Buffers`], bottom row
-//! first: colour, window depth, number of the visible triangle, count of covering triangles. World space is OpenGL's eye
-//! space here: the camera stands at the origin and looks along -z, and each mesh has its whole modelview.
+//! first: colour, window depth, number of the visible triangle, count of covering triangles. Triangles count through the
+//! meshes in order. Values that GL refuses are refused here, too.
 
 use std::path::Path;
-use std::sync::Arc;
 
+use rastray::context::{
+    Array, Buffers as Clear, Capability, Context, LightModelParameter, MatrixMode, PrimitiveMode,
+};
 use rastray::frame::{NONE, Plane};
-use rastray::gl::{ColorControl, LightModel, ShadeModel};
+use rastray::gl::{ColorControl, Face, ShadeModel};
 use rastray::import::{LoadOptions, load};
 use rastray::lanes::{Isa, Real};
-use rastray::math::{DAffine3, DMat4, DVec3, DVec4};
+use rastray::math::float::normalize;
 use rastray::raster::{Options, Plan};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
-use rastray::scene::{
-    Camera, Cull, FrontFace, Geometry, ImageSettings, Light, LightSpace, Material, Mesh, Object,
-    Optics, Projection, RasterSettings, Scene, Snap,
-};
+use rastray::scene::{Cull, FrontFace, Geometry, Scene, Snap};
 use serde::Deserialize;
 
 use super::Failure;
-use super::gl_lights::{CaseLight, CaseMaterial, IDENTITY, rgb, to_eye};
+use super::gl_lights::{
+    CaseLight, CaseMaterial, IDENTITY, named, rgb, rgba, set_light, set_material,
+};
 
 /// A scene; what is left out has OpenGL's default, save that the depth test is on.
 #[derive(Deserialize)]
 #[serde(default)]
-struct Case {
+pub(crate) struct Case {
     name: String,
     width: u32,
     height: u32,
@@ -171,47 +173,58 @@ pub(crate) fn draw<R: Real>(
     snap: Snap,
 ) -> Result<Buffers, Failure> {
     let case: Case = serde_json::from_str(text)?;
-    let mut scene = scene(&case, folder)?;
+    let mut scene = case.record(folder)?;
     scene.raster.snap = snap;
-    let assembly = Assembly::<R>::new(&scene, None)?;
-    let plan = Plan::new(&scene, &assembly, Model::Required);
-    let options = Options {
-        shading,
-        clamp: case.clamp,
-        layers: false,
-        isa: Isa::detect(),
-    };
-    let (frame, _) = plan.draw(&options)?;
-    // Alpha is the diffuse alpha of the visible front material (GL 2.1 section 2.14.1); no scene has another for the back.
-    let alpha = |primitive: u32| match primitive {
-        NONE => case.clear_color[3],
-        seen => {
-            let material = assembly.material[seen as usize] as usize;
-            scene.materials[material].front.alpha
-        }
-    };
-    let limit = |x: f64| if case.clamp { x.clamp(0.0, 1.0) } else { x };
-    let colors = frame.color.data.iter().zip(&frame.primitive.data);
-    let rgba = colors.map(|(c, &primitive)| {
-        let [r, g, b] = c.map(Real::to_f32);
-        [r, g, b, limit(alpha(primitive)) as f32]
-    });
-    let (width, height) = (frame.color.width, frame.color.height);
-    let rgba = Plane {
-        width,
-        height,
-        data: rgba.collect(),
-    };
-    Ok(Buffers {
-        rgba: bottom_up(&rgba),
-        depth: bottom_up(&plan.window_depth(&frame).map(|z| *z as f32)),
-        prim: bottom_up(
-            &frame
-                .primitive
-                .map(|p| if *p == NONE { -1 } else { *p as i32 }),
-        ),
-        count: bottom_up(&plan.coverage_counts().map(|n| (*n).min(255) as u8)),
-    })
+    case.buffers::<R>(&scene, shading)
+}
+
+impl Case {
+    /// The buffers of the recorded scene.
+    pub(crate) fn buffers<R: Real>(
+        &self,
+        scene: &Scene,
+        shading: ShadeModel,
+    ) -> Result<Buffers, Failure> {
+        let assembly = Assembly::<R>::new(scene, None)?;
+        let plan = Plan::new(scene, &assembly, Model::Required);
+        let options = Options {
+            shading,
+            clamp: self.clamp,
+            layers: false,
+            isa: Isa::detect(),
+        };
+        let (frame, _) = plan.draw(&options)?;
+        // Alpha is the diffuse alpha of the visible front material (GL 2.1 section 2.14.1); no scene has another for the back.
+        let alpha = |primitive: u32| match primitive {
+            NONE => self.clear_color[3],
+            seen => {
+                let material = assembly.material[seen as usize] as usize;
+                scene.materials[material].front.alpha
+            }
+        };
+        let limit = |x: f64| if self.clamp { x.clamp(0.0, 1.0) } else { x };
+        let colors = frame.color.data.iter().zip(&frame.primitive.data);
+        let rgba = colors.map(|(c, &primitive)| {
+            let [r, g, b] = c.map(Real::to_f32);
+            [r, g, b, limit(alpha(primitive)) as f32]
+        });
+        let (width, height) = (frame.color.width, frame.color.height);
+        let rgba = Plane {
+            width,
+            height,
+            data: rgba.collect(),
+        };
+        Ok(Buffers {
+            rgba: bottom_up(&rgba),
+            depth: bottom_up(&plan.window_depth(&frame).map(|z| *z as f32)),
+            prim: bottom_up(
+                &frame
+                    .primitive
+                    .map(|p| if *p == NONE { -1 } else { *p as i32 }),
+            ),
+            count: bottom_up(&plan.coverage_counts().map(|n| (*n).min(255) as u8)),
+        })
+    }
 }
 
 /// The values with OpenGL's row 0, the bottom one, first.
@@ -225,180 +238,176 @@ fn single(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
-fn matrix(m: &[f64; 16]) -> DMat4 {
-    DMat4::from_cols_array(&m.map(single))
-}
-
-fn scene(case: &Case, folder: &Path) -> Result<Scene, Failure> {
-    let eye_from_light = matrix(&case.light_modelview);
-    let mut scene = Scene {
-        name: case.name.clone(),
-        image: ImageSettings {
-            width: case.width,
-            height: case.height,
-            background: rgb(&case.clear_color),
-            ..ImageSettings::default()
-        },
-        camera: Camera {
-            eye: DVec3::ZERO,
-            target: DVec3::NEG_Z,
-            up: DVec3::Y,
-            ..camera(case)
-        },
-        light_model: LightModel {
-            ambient: rgb(&case.scene_ambient).map(single),
-            local_viewer: case.local_viewer,
-            two_sided: case.two_side,
-            color_control: if case.separate_specular {
-                ColorControl::SeparateSpecular
-            } else {
-                ColorControl::Single
-            },
-            normalize: case.normalize,
-            rescale_normal: case.rescale_normal,
-            ..LightModel::default()
-        },
-        raster: RasterSettings {
-            cull: named("cull", Cull::NAMES, &case.cull)?,
-            front_face: named("front_face", FrontFace::NAMES, &case.front_face)?,
-            depth_test: case.depth_test,
-            ..RasterSettings::default()
-        },
-        ..Scene::default()
-    };
-    for (i, light) in case.lights.iter().enumerate() {
-        scene.lights.push(Light {
-            name: format!("light{i}"),
-            source: to_eye(&light.rounded(), &eye_from_light),
-            space: LightSpace::Eye,
-            enabled: true,
-        });
-    }
-    for (i, mesh) in case.meshes.iter().enumerate() {
-        scene.materials.push(Material {
-            name: format!("material{i}"),
-            front: mesh.material.rounded().material(),
-            back: mesh.back_material.as_ref().map(|m| m.rounded().material()),
-            optics: Optics::default(),
-        });
-        let eye_from_object = matrix(&case.modelview) * matrix(&mesh.modelview);
-        if eye_from_object.row(3) != DVec4::W {
-            return Err(format!(
-                "mesh {i}: expected a modelview whose last row is 0 0 0 1, found {}",
-                eye_from_object.row(3)
-            )
-            .into());
+impl Case {
+    /// The scene as a fixed-function program, recorded.
+    pub(crate) fn record(&self, folder: &Path) -> Result<Scene, Failure> {
+        let mut gl = Context::new(self.width, self.height);
+        let [r, g, b, a] = self.clear_color;
+        gl.clear_color(r, g, b, a);
+        gl.clear(Clear::COLOR | Clear::DEPTH);
+        self.project(&mut gl);
+        self.set_lighting(&mut gl);
+        self.set_faces(&mut gl)?;
+        if self.depth_test {
+            gl.enable(Capability::DepthTest);
         }
-        scene.objects.push(Object {
-            name: format!("mesh{i}"),
-            geometry: Geometry::Mesh(Arc::new(mesh.mesh(folder)?)),
-            materials: vec![i],
-            world_from_object: DAffine3::from_mat4(eye_from_object),
-            tessellation: None,
-        });
+        check(&mut gl, "the scene's state")?;
+        for (i, mesh) in self.meshes.iter().enumerate() {
+            gl.load_matrix(&self.modelview.map(single));
+            gl.mult_matrix(&mesh.modelview.map(single));
+            mesh.draw(&mut gl, folder)?;
+            check(&mut gl, &format!("mesh {i}"))?;
+        }
+        let mut scene = gl.scene()?;
+        if !self.clamp {
+            // With glClampColor off the clear colour is not clamped, either (GL 3.0 section 4.2.3); the context is GL 2.1.
+            scene.image.background = rgb(&self.clear_color);
+        }
+        Ok(scene)
     }
-    Ok(scene)
-}
 
-/// The value of a name in one of the library's tables.
-fn named<T: Copy>(key: &str, names: &[(&'static str, T)], name: &str) -> Result<T, Failure> {
-    let found = names
-        .iter()
-        .find(|(n, _)| *n == name)
-        .map(|(_, value)| *value);
-    found.ok_or_else(|| format!("{key}: unknown value {name:?}").into())
-}
+    /// The projection matrix; the picture's aspect where none is stated.
+    fn project(&self, gl: &mut Context) {
+        gl.matrix_mode(MatrixMode::Projection);
+        match self.projection {
+            CaseProjection::Perspective {
+                fovy,
+                near,
+                far,
+                aspect,
+            } => {
+                let aspect = aspect.unwrap_or(f64::from(self.width) / f64::from(self.height));
+                gl.perspective(fovy, aspect, single(near), single(far));
+            }
+            CaseProjection::Ortho {
+                left,
+                right,
+                bottom,
+                top,
+                near,
+                far,
+            } => gl.ortho(left, right, bottom, top, near, far),
+            CaseProjection::Matrix { matrix } => gl.load_matrix(&matrix.map(single)),
+        }
+        gl.matrix_mode(MatrixMode::ModelView);
+    }
 
-/// The projection; near and far where it does not hold them itself.
-fn camera(case: &Case) -> Camera {
-    let mut camera = Camera::default();
-    match case.projection {
-        CaseProjection::Perspective {
-            fovy,
-            near,
-            far,
-            aspect,
-        } => {
-            let fovy_deg = fovy;
-            camera.projection = Projection::Perspective { fovy_deg };
-            (camera.near, camera.far) = (single(near), Some(single(far)));
-            if let Some(aspect) = aspect {
-                let clip_from_eye = camera.clip_from_eye(aspect);
-                camera.projection = Projection::Matrix { clip_from_eye };
+    /// Lights under their own modelview, the light model, and what becomes of normals.
+    fn set_lighting(&self, gl: &mut Context) {
+        use LightModelParameter as M;
+        gl.enable(Capability::Lighting);
+        gl.load_matrix(&self.light_modelview.map(single));
+        for (number, light) in self.lights.iter().enumerate() {
+            set_light(gl, number, &light.rounded());
+        }
+        gl.light_model(M::Ambient(rgba(&self.scene_ambient).map(single)));
+        gl.light_model(M::LocalViewer(self.local_viewer));
+        gl.light_model(M::TwoSide(self.two_side));
+        gl.light_model(M::ColorControl(if self.separate_specular {
+            ColorControl::SeparateSpecular
+        } else {
+            ColorControl::Single
+        }));
+        for (on, capability) in [
+            (self.normalize, Capability::Normalize),
+            (self.rescale_normal, Capability::RescaleNormal),
+        ] {
+            if on {
+                gl.enable(capability);
             }
         }
-        CaseProjection::Ortho {
-            left,
-            right,
-            bottom,
-            top,
-            near,
-            far,
-        } => {
-            // glOrtho (GL 2.1 section 2.11.2).
-            let row = |low: f64, high: f64| (2.0 / (high - low), -(high + low) / (high - low));
-            let (x, y, z) = (row(left, right), row(bottom, top), row(near, far));
-            let clip_from_eye = DMat4::from_cols(
-                DVec4::X * x.0,
-                DVec4::Y * y.0,
-                DVec4::Z * -z.0,
-                DVec4::new(x.1, y.1, z.1, 1.0),
-            );
-            camera.projection = Projection::Matrix { clip_from_eye };
-        }
-        CaseProjection::Matrix { matrix: m } => {
-            let clip_from_eye = matrix(&m);
-            camera.projection = Projection::Matrix { clip_from_eye };
-        }
     }
-    camera
+
+    /// Which side is the front, and which is dropped.
+    fn set_faces(&self, gl: &mut Context) -> Result<(), Failure> {
+        gl.front_face(named(FrontFace::NAMES, "front_face", &self.front_face)?);
+        let dropped = match named(Cull::NAMES, "cull", &self.cull)? {
+            Cull::None => return Ok(()),
+            Cull::Front => Face::Front,
+            Cull::Back => Face::Back,
+        };
+        gl.cull_face(dropped);
+        gl.enable(Capability::CullFace);
+        Ok(())
+    }
+}
+
+/// GL's error flag as a message.
+fn check(gl: &mut Context, what: &str) -> Result<(), Failure> {
+    match gl.get_error() {
+        None => Ok(()),
+        Some(error) => Err(format!("{what}: OpenGL refuses a value ({error:?})").into()),
+    }
+}
+
+/// The arrays of a mesh, three numbers a vertex, and its indices.
+#[derive(Default)]
+struct Arrays {
+    positions: Vec<f64>,
+    normals: Vec<f64>,
+    indices: Vec<u32>,
 }
 
 impl CaseMesh {
-    fn mesh(&self, folder: &Path) -> Result<Mesh, Failure> {
-        if let Some(obj) = &self.obj {
-            return obj_mesh(&folder.join(obj));
+    /// Sets the materials and hands over the arrays.
+    fn draw(&self, gl: &mut Context, folder: &Path) -> Result<(), Failure> {
+        set_material(gl, Face::FrontAndBack, &self.material.rounded());
+        if let Some(back) = &self.back_material {
+            set_material(gl, Face::Back, &back.rounded());
         }
-        let points = |list: &[f64]| -> Vec<DVec3> {
-            let triples = list.chunks_exact(3);
-            triples
-                .map(|p| DVec3::new(single(p[0]), single(p[1]), single(p[2])))
-                .collect()
+        let arrays = match &self.obj {
+            Some(obj) => obj_arrays(&folder.join(obj))?,
+            None => self.arrays()?,
         };
-        let positions = points(&self.positions);
-        let mut normals = points(&self.normals);
-        // The current normal, where none is given.
-        normals.resize(positions.len(), DVec3::Z);
-        if let Some(bad) = self
-            .indices
-            .iter()
-            .find(|i| **i as usize >= positions.len())
-        {
-            return Err(format!("index {bad} of {} positions", positions.len()).into());
+        // The current normal, where none is given; arrays before this one have changed it.
+        gl.normal3(0.0, 0.0, 1.0);
+        gl.enable_client_state(Array::Vertex);
+        gl.vertex_pointer(3, &arrays.positions);
+        if arrays.normals.is_empty() {
+            gl.disable_client_state(Array::Normal);
+        } else {
+            gl.enable_client_state(Array::Normal);
+            gl.normal_pointer(&arrays.normals);
         }
-        let triangles = self.indices.chunks_exact(3);
-        Ok(Mesh {
-            positions,
-            normals,
-            triangles: triangles.map(|t| [t[0], t[1], t[2]]).collect(),
-            ..Mesh::default()
+        gl.draw_elements(PrimitiveMode::Triangles, &arrays.indices);
+        Ok(())
+    }
+
+    fn arrays(&self) -> Result<Arrays, Failure> {
+        let list = |list: &[f64]| -> Vec<f64> { list.iter().copied().map(single).collect() };
+        let vertices = self.positions.len() / 3;
+        if let Some(bad) = self.indices.iter().find(|i| **i as usize >= vertices) {
+            return Err(format!("index {bad} of {vertices} positions").into());
+        }
+        Ok(Arrays {
+            positions: list(&self.positions),
+            normals: list(&self.normals),
+            indices: self.indices.clone(),
         })
     }
 }
 
-/// The meshes of an OBJ file as one.
-fn obj_mesh(path: &Path) -> Result<Mesh, Failure> {
+/// The meshes of an OBJ file as one, every corner a vertex; triangles without normals have their own.
+fn obj_arrays(path: &Path) -> Result<Arrays, Failure> {
     let path = path.to_str().ok_or("a path that is not text")?;
     let imported = load(path, &LoadOptions::default())?;
-    let mut all = Mesh::default();
+    let mut all = Arrays::default();
     for object in &imported.scene.objects {
-        if let Geometry::Mesh(mesh) = &object.geometry {
-            let base = all.positions.len() as u32;
-            all.positions.extend(&mesh.positions);
-            all.normals.extend(&mesh.normals);
-            let moved = mesh.triangles.iter().map(|t| t.map(|v| v + base));
-            all.triangles.extend(moved);
+        let Geometry::Mesh(mesh) = &object.geometry else {
+            continue;
+        };
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| mesh.positions[v as usize]);
+            let [a, b, c] = corners;
+            let own = (b - a).cross(c - a).to_array();
+            let own = normalize(own).0;
+            for (v, corner) in triangle.iter().zip(corners) {
+                let given = mesh.normals.get(*v as usize).map(|n| n.to_array());
+                all.positions.extend(corner.to_array());
+                all.normals.extend(given.unwrap_or(own));
+            }
         }
     }
+    all.indices = (0..all.positions.len() as u32 / 3).collect();
     Ok(all)
 }

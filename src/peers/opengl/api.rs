@@ -373,6 +373,7 @@ names! {
     EQUAL = 0x0202;
     ONE = 1;
     FRONT = 0x0404;
+    FRONT_AND_BACK = 0x0408;
     BACK = 0x0405;
     CW = 0x0900;
     CCW = 0x0901;

@@ -10,11 +10,12 @@
 //! (Modelviews, normal transforms and light matrices of the driver are held against the specification case by case: see
 //! [`Driver::light_point`].) GL 2.1 sections 2.11 to 2.14, 3.5, 3.9, 4.1.6.
 //!
-//! **How.** Fixed function (glLight, glMaterial, glLightModel) wherever GL has the feature ([`Method::FixedFunction`]). More
+//! **How.** Fixed function (glLight, glMaterial, glColorMaterial, glLightModel) wherever GL has the feature ([`Method::FixedFunction`]). More
 //! lights than GL holds (GL_MAX_LIGHTS, at least 8) are added in further passes over the same triangles, where no clamp
 //! stands between them. What GL does not have goes through a GLSL 1.20 shader with the same equation, and the picture
 //! says why: the (V.R)^n form, values that GL refuses (a shininess above 128), clamped colours of more than GL_MAX_LIGHTS
-//! lights, lighting per fragment. Samples are passes with the picture shifted by sub-pixels, averaged here.
+//! lights, vertex colours in terms that no glColorMaterial combines, lighting per fragment. Samples are passes with the
+//! picture shifted by sub-pixels, averaged here.
 //! A second draw with the same state and the triangle's number as its flat colour tells which triangle each pixel shows.
 //!
 //! Left out: jittered samples (one place a pixel is not a shift of the picture), textures. Depth is the driver's 32-bit (or
@@ -28,17 +29,17 @@ mod shader;
 mod state;
 mod target;
 
-pub use point::{LightPoint, Tracked};
+pub use point::LightPoint;
 
 use serde::Serialize;
 
 use crate::error::Error;
 use crate::frame::Plane;
-use crate::gl::{LightSource, ShadeModel};
+use crate::gl::{ColorMaterial, ColorMaterialMode, Face, LightSource, ShadeModel};
 use crate::lanes::Real;
 use crate::sampling::Pattern;
 use crate::scene::assembly::Assembly;
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{Camera, Material, Projection, Scene};
 use api::Gl;
 use scenery::Scenery;
 use target::Target;
@@ -289,6 +290,13 @@ impl Driver {
                 v.parameter, v.value, v.legal
             ));
         }
+        let mut colored = scene
+            .materials
+            .iter()
+            .map(|m| self.beyond_color_material(scene, m));
+        if let Some(because) = colored.find_map(|because| because) {
+            return Some(because);
+        }
         let (count, most) = (lights.len(), self.info.max_lights);
         if count <= most {
             return None;
@@ -302,6 +310,32 @@ impl Driver {
                 "{count} lights without a depth test, and GL holds {most}"
             )),
             (false, true) => None,
+        }
+    }
+}
+
+impl Driver {
+    /// What glColorMaterial, or this driver's, does not have of a material, if anything.
+    fn beyond_color_material(&self, scene: &Scene, material: &Material) -> Option<String> {
+        let tracked = state::sides(material, &scene.light_model).map(|side| side.tracked);
+        if !tracked.iter().any(|side| side.any()) {
+            return None;
+        }
+        let name = &material.name;
+        match ColorMaterial::of(tracked) {
+            None => Some(format!(
+                "no mode of glColorMaterial has the vertex colour in the terms of material {name}"
+            )),
+            // Mesa 22.3.6: both software drivers, which differ from each other there, too. Each one's GLSL path is right.
+            Some(ColorMaterial {
+                face: Face::Back,
+                mode,
+            }) if mode != ColorMaterialMode::Emission && self.info.version.contains("Mesa") => {
+                Some(format!(
+                    "Mesa's fixed function lights back faces wrong where they alone follow the vertex colour (material {name})"
+                ))
+            }
+            Some(_) => None,
         }
     }
 }

@@ -7,7 +7,9 @@
 use super::target::Target;
 use super::{Driver, api, failed, state};
 use crate::error::Error;
-use crate::gl::{LightModel, LightSource, Material, ShadeModel};
+use crate::gl::{
+    ColorMaterial, ColorMaterialMode, Face, LightModel, LightSource, Material, ShadeModel,
+};
 use crate::scene::Scene;
 
 /// A vertex, and the state that lights it. Matrices are in OpenGL's order, column by column.
@@ -30,24 +32,9 @@ pub struct LightPoint {
     /// The light model.
     pub model: LightModel,
     /// GL_COLOR_MATERIAL's tracked parameter of front faces, as glColorMaterial names it.
-    pub color_material: Option<Tracked>,
+    pub color_material: Option<ColorMaterialMode>,
     /// glColor4.
     pub color: [f32; 4],
-}
-
-/// What glColorMaterial tracks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tracked {
-    /// GL_EMISSION.
-    Emission,
-    /// GL_AMBIENT.
-    Ambient,
-    /// GL_DIFFUSE.
-    Diffuse,
-    /// GL_SPECULAR.
-    Specular,
-    /// GL_AMBIENT_AND_DIFFUSE.
-    AmbientAndDiffuse,
 }
 
 impl Driver {
@@ -83,9 +70,9 @@ impl Driver {
         state::set_material(gl, api::FRONT, &point.material, true);
         state::set_material(gl, api::BACK, back, true);
         gl.enable(api::LIGHTING);
-        if let Some(tracked) = point.color_material {
-            gl.color_material(api::FRONT, name(tracked));
-            gl.enable(api::COLOR_MATERIAL);
+        if let Some(mode) = point.color_material {
+            let face = Face::Front;
+            state::set_color_material(gl, Some(ColorMaterial { face, mode }));
         }
         gl.clear_color(0.0, 0.0, 0.0, 0.0);
         gl.clear(api::COLOR_BUFFER_BIT);
@@ -117,14 +104,4 @@ fn to_center(point: &LightPoint) -> [f32; 16] {
     let mut projection = [0.0; 16];
     projection[15] = if w < 0.0 { -1.0 } else { 1.0 };
     projection
-}
-
-fn name(tracked: Tracked) -> u32 {
-    match tracked {
-        Tracked::Emission => api::EMISSION,
-        Tracked::Ambient => api::AMBIENT,
-        Tracked::Diffuse => api::DIFFUSE,
-        Tracked::Specular => api::SPECULAR,
-        Tracked::AmbientAndDiffuse => api::AMBIENT_AND_DIFFUSE,
-    }
 }

@@ -11,12 +11,12 @@ use super::target::Target;
 use super::{Method, Options, Picture, failed, state};
 use crate::error::Error;
 use crate::frame::{NONE, Plane};
-use crate::gl::{LightSource, ShadeModel};
+use crate::gl::{self, ColorMaterial, ColorMaterialMode, LightSource, ShadeModel};
 use crate::lanes::Real;
 use crate::math::color::clamp_rgb;
 use crate::sampling;
 use crate::scene::assembly::Assembly;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{Camera, Scene};
 
 /// Triangles that one draw call takes at most.
 const RUN: usize = 1 << 15;
@@ -83,6 +83,9 @@ impl<R: Real> Scenery<'_, R> {
         let [right, down] = [x, y].map(|p| f64::from(p) / f64::from(sampling::SUBPIXEL) - 0.5);
         let size = [image.width, image.height].map(f64::from);
         state::set_matrices(gl, &self.camera, size, [-right, down]);
+        // Vertices without colours; drawing with a colour array leaves the current colour undefined.
+        let [r, g, b, a] = gl::CURRENT_COLOR.map(|x| x as f32);
+        gl.color_4f(r, g, b, a);
         let [r, g, b, a] = clear;
         gl.clear_color(r, g, b, a);
         gl.clear_depth(1.0);
@@ -111,9 +114,8 @@ impl<R: Real> Scenery<'_, R> {
         state::switch(gl, api::COLOR_SUM, stage == Stage::Vertex);
         state::switch(gl, api::VERTEX_PROGRAM_TWO_SIDE, model.two_sided);
         let program = Program::new(gl, stage, model, &self.lights, clamp).map_err(failed)?;
-        self.each_run(|material, arrays| {
-            let back = material.back.as_ref().unwrap_or(&material.front);
-            program.set_materials([&material.front, back]);
+        self.each_run(|sides, arrays| {
+            program.set_materials(sides);
             gl.draw_triangles(arrays);
         });
         Ok(())
@@ -144,13 +146,19 @@ impl<R: Real> Scenery<'_, R> {
                 gl.enable(api::BLEND);
                 gl.blend_func(api::ONE, api::ONE);
             }
-            self.each_run(|material, arrays| {
-                let back = material.back.as_ref().unwrap_or(&material.front);
-                state::set_material(gl, api::FRONT, &material.front, first);
-                state::set_material(gl, api::BACK, back, first);
+            self.each_run(|sides, arrays| {
+                // Off while materials are set: terms that follow do not take glMaterial's values.
+                state::set_color_material(gl, None);
+                state::set_material(gl, api::FRONT, sides[0], first);
+                state::set_material(gl, api::BACK, sides[1], first);
+                // Emission belongs to the first pass alone, the colour in its place, too.
+                let setting = ColorMaterial::of(sides.map(|side| side.tracked));
+                let adds = |c: &ColorMaterial| first || c.mode != ColorMaterialMode::Emission;
+                state::set_color_material(gl, setting.filter(adds));
                 gl.draw_triangles(arrays);
             });
         }
+        state::set_color_material(gl, None);
         gl.disable(api::LIGHTING);
     }
 
@@ -179,13 +187,21 @@ impl<R: Real> Scenery<'_, R> {
         })
     }
 
-    /// Hands over the triangles in order, in runs of one material.
-    fn each_run(&self, mut draw: impl FnMut(&Material, &Arrays)) {
+    /// Hands over the triangles in order, in runs of one material, with colours where it follows them.
+    fn each_run(&self, mut draw: impl FnMut([&gl::Material; 2], &Arrays)) {
         let mut arrays = Arrays::default();
         for range in runs(&self.assembly.material) {
             let material = self.assembly.material[range.start] as usize;
-            self.gather(range, &mut arrays);
-            draw(&self.scene.materials[material], &arrays);
+            let sides = state::sides(&self.scene.materials[material], &self.scene.light_model);
+            self.gather(range.clone(), &mut arrays);
+            if sides.iter().any(|side| side.tracked.any()) {
+                let vertices = self.assembly.triangles[range].iter().flatten();
+                let colors = vertices.filter_map(|v| self.assembly.vertex_color(*v));
+                let alpha = gl::CURRENT_COLOR[3];
+                let rgba = |c: [R; 3]| state::rgba(c.map(Real::to_f64), alpha);
+                arrays.colors.extend(colors.map(rgba));
+            }
+            draw(sides, &arrays);
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! In: the shape of a scene's model (numbers of lights, specular form, viewer, clamps). Out: a program that evaluates
 //! GL 2.1 section 2.14.1, or the lecture's (V.R)^n, at vertices (fixed function interpolates and adds the secondary colour) or at
-//! fragments (position and normal interpolated, the normal renormalised). Positions come from `ftransform`, so that depth
+//! fragments (position, normal and vertex colour interpolated, the normal renormalised). Positions come from `ftransform`, so that depth
 //! and coverage are fixed function's own. This text is the driver's side of the comparison: it shares nothing with
 //! `lighting`, whose answers it is to be held against.
 
@@ -118,6 +118,16 @@ impl<'a> Program<'a> {
         each("material_ambient", &|m| rgba(m.ambient, 1.0));
         each("material_diffuse", &|m| rgba(m.diffuse, m.alpha));
         each("material_specular", &|m| rgba(m.specular, 1.0));
+        each("follows", &|m| {
+            let tracked = m.tracked;
+            [
+                tracked.emission,
+                tracked.ambient,
+                tracked.diffuse,
+                tracked.specular,
+            ]
+            .map(|on| f32::from(u8::from(on)))
+        });
     }
 }
 
@@ -156,6 +166,7 @@ uniform vec4 material_emission[2];     // w = shininess; [0] front, [1] back
 uniform vec4 material_ambient[2];
 uniform vec4 material_diffuse[2];
 uniform vec4 material_specular[2];
+uniform vec4 follows[2];               // emission, ambient, diffuse, specular: 1 = the vertex colour in its place
 uniform vec4 scene_ambient;
 
 vec3 unit(vec3 v) {
@@ -169,12 +180,16 @@ float power(float base, float exponent) {
     return base > 0.0 ? pow(base, exponent) : 0.0;
 }
 
-void equation(vec3 position, vec3 normal, vec3 unit_normal, int side, out vec4 primary, out vec3 secondary) {
+void equation(vec3 position, vec3 normal, vec3 unit_normal, vec3 color, int side, out vec4 primary, out vec3 secondary) {
+    vec3 emission = follows[side].x > 0.5 ? color : material_emission[side].rgb;
+    vec3 ambient = follows[side].y > 0.5 ? color : material_ambient[side].rgb;
+    vec3 diffuse = follows[side].z > 0.5 ? color : material_diffuse[side].rgb;
+    vec3 specular = follows[side].w > 0.5 ? color : material_specular[side].rgb;
     vec3 to_viewer = vec3(0.0, 0.0, 1.0);
 #if LOCAL_VIEWER
     to_viewer = unit(-position);
 #endif
-    primary = vec4(material_emission[side].rgb + material_ambient[side].rgb * scene_ambient.rgb, material_diffuse[side].a);
+    primary = vec4(emission + ambient * scene_ambient.rgb, material_diffuse[side].a);
     secondary = vec3(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
         vec4 place = light_position[i];
@@ -191,17 +206,17 @@ void equation(vec3 position, vec3 normal, vec3 unit_normal, int side, out vec4 p
             float q = dot(-to_light, unit(light_cone[i].xyz));
             factor *= q < 0.0 || q < light_cone[i].w ? 0.0 : power(q, k.w);
         }
-        primary.rgb += factor * material_ambient[side].rgb * light_ambient[i].rgb;
+        primary.rgb += factor * ambient * light_ambient[i].rgb;
         float n_dot_l = dot(normal, to_light);
         if (n_dot_l > 0.0) {
-            primary.rgb += factor * n_dot_l * material_diffuse[side].rgb * light_diffuse[i].rgb;
+            primary.rgb += factor * n_dot_l * diffuse * light_diffuse[i].rgb;
 #if REFLECTION
             float cosine = dot(to_viewer, 2.0 * dot(unit_normal, to_light) * unit_normal - to_light);
 #else
             float cosine = dot(normal, unit(to_light + to_viewer));
 #endif
             float peak = power(max(cosine, 0.0), material_emission[side].w);
-            secondary += factor * peak * material_specular[side].rgb * light_specular[i].rgb;
+            secondary += factor * peak * specular * light_specular[i].rgb;
         }
     }
 #if !SEPARATE
@@ -220,22 +235,24 @@ void main() {
 #endif
     vec3 position = gl_Vertex.xyz / gl_Vertex.w;
     vec3 secondary;
-    equation(position, normal, unit(normal), 0, gl_FrontColor, secondary);
+    equation(position, normal, unit(normal), gl_Color.rgb, 0, gl_FrontColor, secondary);
     gl_FrontSecondaryColor = vec4(secondary, 0.0);
 #if TWO_SIDED
-    equation(position, -normal, unit(-normal), 1, gl_BackColor, secondary);
+    equation(position, -normal, unit(-normal), gl_Color.rgb, 1, gl_BackColor, secondary);
     gl_BackSecondaryColor = vec4(secondary, 0.0);
 #endif
     gl_Position = ftransform();
 }
 ";
 
-/// Position and normal for the fragments, and as colour whether GL takes the triangle for front or back: `gl_FrontFacing`
+/// Position, normal and vertex colour for the fragments, and as GL's colour whether GL takes the triangle for front or back: `gl_FrontFacing`
 /// is always false in softpipe (Mesa 22.3.6), while fixed function's choice between the two colours is right.
 const PASS_ON: &str = r"
 varying vec3 eye_position;
 varying vec3 eye_normal;
+varying vec3 vertex_color;
 void main() {
+    vertex_color = gl_Color.rgb;
     eye_position = gl_Vertex.xyz / gl_Vertex.w;
     eye_normal = gl_Normal;
     gl_FrontColor = vec4(1.0);
@@ -248,18 +265,19 @@ void main() {
 const AT_FRAGMENTS: &str = r"
 varying vec3 eye_position;
 varying vec3 eye_normal;
+varying vec3 vertex_color;
 void main() {
     vec3 normal = unit(eye_normal);
     vec4 primary;
     vec3 secondary;
 #if TWO_SIDED
     if (gl_Color.a < 0.5) {
-        equation(eye_position, -normal, -normal, 1, primary, secondary);
+        equation(eye_position, -normal, -normal, vertex_color, 1, primary, secondary);
     } else {
-        equation(eye_position, normal, normal, 0, primary, secondary);
+        equation(eye_position, normal, normal, vertex_color, 0, primary, secondary);
     }
 #else
-    equation(eye_position, normal, normal, 0, primary, secondary);
+    equation(eye_position, normal, normal, vertex_color, 0, primary, secondary);
 #endif
 #if CLAMP
     primary = clamp(primary, 0.0, 1.0);

@@ -4,10 +4,13 @@
 //! given in eye space, as vertices are (see the head of [`super`]).
 
 use super::api::{self, Gl};
-use crate::gl::{ColorControl, LightModel, LightSource, Material, ShadeModel};
+use crate::gl::{
+    ColorControl, ColorMaterial, ColorMaterialMode, Face, LightModel, LightSource, Material,
+    ShadeModel,
+};
 use crate::math::color::Rgb;
 use crate::math::{DMat4, DVec3};
-use crate::scene::{Camera, Cull, FrontFace, Scene};
+use crate::scene::{self, Camera, Cull, FrontFace, Scene};
 
 /// A colour as GL takes it.
 pub(super) fn rgba(c: Rgb, alpha: f64) -> [f32; 4] {
@@ -48,6 +51,33 @@ pub(super) fn set_material(gl: &Gl, face: u32, material: &Material, whole: bool)
     gl.material_v(face, api::DIFFUSE, &rgba(material.diffuse, material.alpha));
     gl.material_v(face, api::SPECULAR, &rgba(material.specular, 1.0));
     gl.material(face, api::SHININESS, material.shininess as f32);
+}
+
+/// Front and back material as GL uses them: a side that is missing, or that one-sided lighting does not look at, is the
+/// front's.
+pub(super) fn sides<'a>(material: &'a scene::Material, model: &LightModel) -> [&'a Material; 2] {
+    let back = material.back.as_ref().filter(|_| model.two_sided);
+    [&material.front, back.unwrap_or(&material.front)]
+}
+
+/// glColorMaterial, or nothing follows the colour. Terms that follow take it at once: materials are set before.
+pub(super) fn set_color_material(gl: &Gl, setting: Option<ColorMaterial>) {
+    if let Some(ColorMaterial { face, mode }) = setting {
+        let face = match face {
+            Face::Front => api::FRONT,
+            Face::Back => api::BACK,
+            Face::FrontAndBack => api::FRONT_AND_BACK,
+        };
+        let mode = match mode {
+            ColorMaterialMode::Emission => api::EMISSION,
+            ColorMaterialMode::Ambient => api::AMBIENT,
+            ColorMaterialMode::Diffuse => api::DIFFUSE,
+            ColorMaterialMode::Specular => api::SPECULAR,
+            ColorMaterialMode::AmbientAndDiffuse => api::AMBIENT_AND_DIFFUSE,
+        };
+        gl.color_material(face, mode);
+    }
+    switch(gl, api::COLOR_MATERIAL, setting.is_some());
 }
 
 /// glLightModel, GL_NORMALIZE and GL_RESCALE_NORMAL. Without `whole`, the scene's ambient light is black: the second and
