@@ -1,7 +1,8 @@
 //! A scene on its way into a framebuffer: colours in passes, then triangle numbers.
 //!
 //! In: a scene, its assembly, lights in eye space. Out: a [`Picture`]. Triangles go over in order, in runs of one material,
-//! the provoking vertex last, so that equal depths keep the lowest number as in the rasterizer.
+//! the provoking vertex last, so that equal depths keep the lowest number as in the rasterizer. Where the scene blends,
+//! transmissive triangles follow the opaque ones (GL 2.1 section 4.1.8); without a depth test all keep the file's order.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ use crate::lanes::Real;
 use crate::math::color::clamp_rgb;
 use crate::sampling;
 use crate::scene::assembly::Assembly;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{Camera, Material, Scene, Transparency};
 
 /// Triangles that one draw call takes at most.
 const RUN: usize = 1 << 15;
@@ -161,6 +162,10 @@ impl<R: Real> Scenery<'_, R> {
         let mut number = 0u32;
         let mut arrays = Arrays::default();
         for range in runs(&self.assembly.material) {
+            if self.alpha(range.start).is_some() {
+                number += range.len() as u32;
+                continue;
+            }
             self.gather(range.clone(), &mut arrays);
             for _ in range {
                 let (high, low) = (number / NUMBER_BASE, number % NUMBER_BASE);
@@ -179,14 +184,42 @@ impl<R: Real> Scenery<'_, R> {
         })
     }
 
-    /// Hands over the triangles in order, in runs of one material.
+    /// Hands over the triangles in order, in runs of one material; where the scene blends, opaque ones first.
     fn each_run(&self, mut draw: impl FnMut(&Material, &Arrays)) {
-        let mut arrays = Arrays::default();
-        for range in runs(&self.assembly.material) {
-            let material = self.assembly.material[range.start] as usize;
-            self.gather(range, &mut arrays);
-            draw(&self.scene.materials[material], &arrays);
+        let (blends, mut arrays) = (self.scene.blends(), Arrays::default());
+        let passes: &[&[bool]] = match (blends, self.scene.raster.depth_test) {
+            (true, true) => &[&[false], &[true]],
+            (true, false) | (false, _) => &[&[false, true]],
+        };
+        for pass in passes {
+            for range in runs(&self.assembly.material) {
+                let alpha = self.alpha(range.start);
+                if !pass.contains(&alpha.is_some()) {
+                    continue;
+                }
+                let material = self.assembly.material[range.start] as usize;
+                let material = &self.scene.materials[material];
+                self.gather(range, &mut arrays);
+                if blends {
+                    state::set_blending(self.gl, alpha.is_some());
+                }
+                match alpha {
+                    Some(alpha) => draw(&with_alpha(material, alpha), &arrays),
+                    None => draw(material, &arrays),
+                }
+            }
         }
+        if blends {
+            state::set_blending(self.gl, false);
+        }
+    }
+
+    /// The alpha that a triangle is blended with; `None` where it is opaque.
+    fn alpha(&self, triangle: usize) -> Option<f64> {
+        let material = self.assembly.material[triangle] as usize;
+        let blends = self.scene.raster.transparency == Transparency::Blend;
+        let alpha = || self.scene.materials[material].optics.blend_alpha();
+        blends.then(alpha).flatten()
     }
 
     /// Eye-space positions and normals of consecutive triangles, the provoking vertex last.
@@ -207,6 +240,16 @@ impl<R: Real> Scenery<'_, R> {
                 .push(normal.map(|n| (n.to_f64() * length) as f32));
         }
     }
+}
+
+/// The material with an alpha, which GL takes from the diffuse colour (GL 2.1 section 2.14.1).
+fn with_alpha(material: &Material, alpha: f64) -> Material {
+    let mut material = material.clone();
+    material.front.alpha = alpha;
+    if let Some(back) = &mut material.back {
+        back.alpha = alpha;
+    }
+    material
 }
 
 /// Runs of consecutive equal materials, none longer than [`RUN`].
