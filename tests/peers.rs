@@ -268,7 +268,9 @@ fn transmissive_surfaces_are_blended() {
                 let c = &a.same_triangle;
                 assert_eq!(a.other_triangle.unexplained, 0, "{what}: {a:?}");
                 assert_eq!(a.one_only.unexplained, 0, "{what}: {a:?}");
-                assert!(c.max <= 5e-5 && a.background_max <= 5e-5, "{what}: {a:?}");
+                // As in `assert_agrees`: at the limb of the ball behind the pane llvmpipe interpolates worse.
+                assert!(c.over <= 2 && c.max <= 1e-2, "{what}: {a:?}");
+                assert!(c.mean <= 2e-6 && a.background_max <= 5e-5, "{what}: {a:?}");
                 // Blending did happen.
                 let mut opaque = scene.clone();
                 opaque.raster.transparency = Transparency::Opaque;
@@ -287,9 +289,10 @@ fn transmissive_surfaces_are_blended() {
         many.lights.push(light);
     }
     let method = versus(&many, false).map(|(picture, _)| picture.method);
-    assert!(
-        matches!(method, None | Some(Method::VertexShader { because }) if because.contains("blended"))
-    );
+    let Some(Method::VertexShader { because }) = method else {
+        panic!("{method:?}");
+    };
+    assert!(because.contains("blended"), "{because}");
 }
 
 /// What fixed function does not have goes through a shader, which says why.
