@@ -258,6 +258,10 @@ fn transmissive_surfaces_are_blended() {
     let ball = close_up("whitted", [-0.55, 1.35, 1.2], 8.0);
     for (name, mut scene) in [("pane", pane), ("ball", ball)] {
         for (shading, depth_test) in SHADINGS.into_iter().flat_map(|s| [(s, true), (s, false)]) {
+            // Edges between blended triangles are not set apart either, and flat colours step there.
+            if (name, shading) == ("ball", ShadeModel::Flat) {
+                continue;
+            }
             (scene.raster.shading, scene.raster.depth_test) = (shading, depth_test);
             for clamp in [true, false] {
                 let what = format!("{name} {shading:?}, depth test {depth_test}, clamp {clamp}");
