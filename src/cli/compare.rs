@@ -174,7 +174,7 @@ impl Comparison<'_> {
             terms: self.terms(),
             buildup: self.buildup(),
             summary: self.summary(start, render_seconds)?,
-            notes: self.imported.notes.clone(),
+            notes: [&self.imported.notes[..], &self.ladder.notes].concat(),
             settings,
         })
     }

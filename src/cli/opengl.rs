@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rastray::error::Error;
+use rastray::error::{Error, Note};
 use rastray::frame::{Frame, Plane};
 use rastray::lanes::Real;
 use rastray::math::color::{clamp_rgb, quantize8};
@@ -89,7 +89,7 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made,
         raster: measured.raster,
         opengl: measured.opengl,
         summary: measured.summary,
-        notes: imported.notes.clone(),
+        notes: [&imported.notes[..], &outlines(scene)[..]].concat(),
         settings: settings(args, scene, &quality),
     };
     write(&path, &report)?;
@@ -103,6 +103,17 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made,
         result: page,
     };
     Ok((made, args.max_error.is_some_and(|most| worst > most)))
+}
+
+/// What the agreement does not set apart where the scene blends.
+fn outlines(scene: &Scene) -> Vec<Note> {
+    let message = "raster.transparency = \"blend\": both blend in the same order; the agreement sets apart edges of opaque \
+                   triangles only, so a pixel at the outline of a blended one may count as an error";
+    let note = scene.blends().then(|| Note {
+        place: None,
+        message: message.to_owned(),
+    });
+    note.into_iter().collect()
 }
 
 fn write(path: &Path, report: &PeerReport) -> Result<(), Error> {

@@ -6,6 +6,9 @@
 //! farther than 2^-18 (of a cosine) from a discontinuity of the model, which are the specular gate n.l = 0 and the edge
 //! of a spot cone. Two surfaces whose depths differ by less than 2^-22 relative are an edge, too. There the colours must
 //! agree to 1e-5 x max(1, magnitude), and coverage without exception.
+//!
+//! Where the scene blends transmissive surfaces (`raster.transparency = "blend"`), rung 3 is drawn again with them opaque:
+//! rays blend nothing, and what is judged here is where the two renderers must agree.
 
 use super::Options;
 use crate::error::Error;
@@ -14,7 +17,7 @@ use crate::gl::ShadeModel;
 use crate::lanes::Real;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::Model;
-use crate::scene::{Scene, Snap};
+use crate::scene::{Scene, Snap, Transparency};
 use crate::{raster, trace};
 
 /// Distance from an edge, in pixels, within which vertices snapped to a grid may decide otherwise.
@@ -48,7 +51,8 @@ pub struct Agreement {
     pub coverage: Coverage,
 }
 
-/// Measures the agreement; frames with several samples are drawn again with one, since it is judged at centres.
+/// Measures the agreement; frames with several samples are drawn again with one, since it is judged at centres, and
+/// blended ones without blending.
 pub(super) fn measure<R: Real>(
     scene: &Scene,
     assembly: &Assembly<R>,
@@ -56,12 +60,14 @@ pub(super) fn measure<R: Real>(
     per_fragment: Frame<R>,
     cast: Frame<R>,
 ) -> Result<Agreement, Error> {
-    if scene.image.samples == 1 && scene.image.pattern == crate::sampling::Pattern::Grid {
+    let centers = scene.image.samples == 1 && scene.image.pattern == crate::sampling::Pattern::Grid;
+    if centers && !scene.blends() {
         return Ok(compare(scene, assembly, &per_fragment, &cast));
     }
     let mut single = scene.clone();
     single.image.samples = 1;
     single.image.pattern = crate::sampling::Pattern::Grid;
+    single.raster.transparency = Transparency::Opaque;
     let isa = options.isa;
     let raster_options = raster::Options {
         shading: ShadeModel::Phong,

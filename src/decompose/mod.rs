@@ -17,6 +17,10 @@
 //! Each rung's values are rounded to a multiple of 2^-32 and limited to |x| <= 2^20 (limited pixels are counted), so
 //! that differences and their sums are exact in f64 and the residual is 0. The order is part of the answer: another
 //! order would give the causes other shares.
+//!
+//! `raster.transparency = "blend"`: rungs 0 to 3 are the rasterizer's, so they are blended; from rung 4 on rays see the
+//! nearest surface alone. The step to rung 4, coverage, then holds the end of blending beside its own cause, and a note of
+//! the ladder says so. The sum stays exact, and the agreement is judged with transmissive surfaces opaque.
 
 mod agreement;
 
@@ -24,7 +28,7 @@ pub use agreement::{Agreement, Coverage};
 
 use std::time::Instant;
 
-use crate::error::Error;
+use crate::error::{Error, Note};
 use crate::frame::{Frame, LayerIndex, Layers, Plane};
 use crate::gl::ShadeModel;
 use crate::lanes::{Isa, Real};
@@ -102,6 +106,8 @@ pub struct Ladder {
     pub residual_max: f64,
     /// How well rungs 3 and 4 agree.
     pub agreement: Agreement,
+    /// What a step holds beside its own cause.
+    pub notes: Vec<Note>,
     /// The rasterizer's layers: the unclamped picture of rung 2.
     pub raster_layers: Layers<f32>,
     /// Primary hits on the true shapes, unshadowed: the layers of rung 5.
@@ -174,6 +180,7 @@ pub fn decompose<R: Real>(
         limited_pixels: 0,
         residual_max: 0.0,
         agreement,
+        notes: blend_note(scene).into_iter().collect(),
         raster_layers: rasterized.layers,
         local_layers: traced.local,
         trace_layers: traced.layers,
@@ -186,6 +193,17 @@ pub fn decompose<R: Real>(
     ladder.rungs = climb.rungs;
     ladder.residual_max = residual(&ladder);
     Ok(ladder)
+}
+
+/// What must be said where the rasterizer blends.
+fn blend_note(scene: &Scene) -> Option<Note> {
+    scene.blends().then(|| Note {
+        place: None,
+        message: "raster.transparency = \"blend\": rungs 0 to 3 are blended and no later one is, so the step `coverage` \
+                  holds the end of blending beside its own cause; the agreement of rungs 3 and 4 is judged with \
+                  transmissive surfaces opaque"
+            .to_owned(),
+    })
 }
 
 /// What the rasterizer leaves: layers and picture of rung 2, and the frame of rung 3.

@@ -5,7 +5,7 @@
 
 use crate::gl;
 use crate::sampling::{MAX_SAMPLES, Pattern};
-use crate::scene::{Cull, Curve, Fresnel, FrontFace, LightSpace, Shadow, Tir};
+use crate::scene::{Cull, Curve, Fresnel, FrontFace, LightSpace, Shadow, Tir, Transparency};
 
 /// Largest width or height of a picture.
 pub const MAX_SIDE: u32 = 16384;
@@ -241,7 +241,7 @@ pub(crate) const RASTER: &[KeyInfo] = &[
     key("depth_range", Kind::DepthRange, "[0, 1]", "Depth of the near and the far plane"),
     key("depth_test", Kind::Bool, "true", "The nearest surface shows; false: the last one drawn"),
     key("snap", Kind::Snap, "8", "Sub-pixel bits that vertices are rounded to: 8, 12, or \"exact\" for none"),
-    key("transparency", Kind::Choice(|| vec!["opaque", "blend"]), "\"opaque\"", "How the rasterizer draws transmissive surfaces"),
+    key("transparency", Kind::Choice(|| names(Transparency::NAMES)), "\"opaque\"", "How the rasterizer draws transmissive surfaces; blend: with alpha = 1 - luminance(transmission), in file order"),
 ];
 
 /// `[trace]`.

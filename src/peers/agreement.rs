@@ -7,6 +7,9 @@
 //!   sub-pixels and GL leaves open who owns a centre on an edge (GL 2.1 section 3.5.1), so both are right;
 //! - *depth tie*: the two window depths differ by less than what a 32-bit depth buffer interpolates exactly;
 //! - *unexplained*: neither. That is an error of one of the two.
+//!
+//! Where the scene blends transmissive surfaces, triangles, edges and depths are those of the opaque ones. Outlines of blended
+//! triangles are not set apart, so a colour may be off there.
 
 use serde::Serialize;
 

@@ -227,12 +227,16 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
             places,
         } = worker;
         let count = plan.scene.image.samples;
+        let blends = plan.blends();
         workspace.start_tile();
         for sample in 0..count {
             let samples = self.samples(places, &area, sample);
             workspace.visibility.clear();
             for chunk in plan.chunks.iter().filter(|c| c.meets_tile(index)) {
                 for triangle in chunk.of_tile(index) {
+                    if blends && plan.blend_alpha(triangle.0.primitive).is_some() {
+                        continue;
+                    }
                     let (bits, counters) = (plan.view.bits, &mut counters);
                     let visibility = &mut workspace.visibility;
                     visibility.draw(&area, &samples, bits, triangle, counters);
@@ -247,6 +251,9 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
                 first: sample == 0,
             };
             workspace.sample(&pass, &mut counters);
+            if blends {
+                workspace.blend(&pass, index, &mut counters);
+            }
             if count > 1 {
                 sums.add(&workspace.shown, sample == 0);
             }

@@ -11,6 +11,7 @@
 //! apart under separate specular), then the sum at the fragment.
 
 use super::attribute::{Weights, mix, mix_colors, mix3};
+use super::blend::Front;
 use super::lit::{Lit, Mode, Output};
 use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
@@ -26,9 +27,9 @@ use crate::math::float::normalize;
 
 /// A visible sample.
 #[derive(Clone, Copy, Debug)]
-struct Fragment {
+pub(super) struct Fragment {
     /// Place in the tile, row-major with stride [`TILE`].
-    at: u16,
+    pub(super) at: u16,
     /// Numbers of its lit points: three vertices (Gouraud), or one point three times.
     points: [u32; 3],
     weights: [f64; 3],
@@ -67,7 +68,7 @@ impl<R: Real> Shown<R> {
 }
 
 /// The triangle that the last sample showed.
-struct Current {
+pub(super) struct Current {
     primitive: u32,
     weights: Weights,
     distance: [f64; 3],
@@ -99,9 +100,13 @@ pub(super) struct Workspace<R> {
     pub(super) visibility: Visibility,
     /// What its samples show.
     pub(super) shown: Shown<R>,
-    fragments: Vec<Fragment>,
+    /// Samples about to be lit.
+    pub(super) fragments: Vec<Fragment>,
+    /// Their lit points.
+    pub(super) lit: Lit<R>,
+    /// What blending needs.
+    pub(super) front: Front,
     slots: SlotMap,
-    lit: Lit<R>,
     batches: Batches<R>,
     output: Output<R>,
 }
@@ -113,8 +118,9 @@ impl<R: Real> Workspace<R> {
             visibility: Visibility::new(),
             shown: Shown::new(mode),
             fragments: Vec::new(),
-            slots: SlotMap::new(),
             lit: Lit::default(),
+            front: Front::new(),
+            slots: SlotMap::new(),
             output: Output::default(),
             batches: Batches::new(materials),
         }
@@ -139,7 +145,6 @@ impl<R: Real> Workspace<R> {
     /// Lists the visible samples, and the points to be lit for them.
     fn gather(&mut self, pass: &Pass<'_, '_, R>) {
         self.fragments.clear();
-        let range = [pass.plan.view.near, pass.plan.view.far];
         let mut current: Option<Current> = None;
         for y in 0..pass.area.size[1] {
             for x in 0..pass.area.size[0] {
@@ -152,25 +157,38 @@ impl<R: Real> Workspace<R> {
                     current = Some(self.meet(pass.plan, pass.mode, primitive));
                 }
                 let Some(seen) = &current else { continue };
-                let ray = pass.samples.ray(x, y);
-                let weights = seen.weights.between(ray, seen.distance, range);
-                let mut points = seen.points;
-                if pass.mode.shading == ShadeModel::Phong {
-                    let tag = self.fragments.len() as u32;
-                    self.push_fragment(pass.plan, seen, weights, tag);
-                    points = [tag; 3];
-                }
-                self.fragments.push(Fragment {
-                    at: at as u16,
-                    points,
-                    weights,
-                });
+                self.push_sample(pass, seen, x, y);
             }
         }
     }
 
+    /// Lists a sample that shows a triangle, and its place among the points to be lit where shading is per fragment.
+    #[inline]
+    pub(super) fn push_sample(
+        &mut self,
+        pass: &Pass<'_, '_, R>,
+        seen: &Current,
+        x: usize,
+        y: usize,
+    ) {
+        let range = [pass.plan.view.near, pass.plan.view.far];
+        let ray = pass.samples.ray(x, y);
+        let weights = seen.weights.between(ray, seen.distance, range);
+        let mut points = seen.points;
+        if pass.mode.shading == ShadeModel::Phong {
+            let tag = self.fragments.len() as u32;
+            self.push_fragment(pass.plan, seen, weights, tag);
+            points = [tag; 3];
+        }
+        self.fragments.push(Fragment {
+            at: (y * TILE + x) as u16,
+            points,
+            weights,
+        });
+    }
+
     /// Prepares a triangle that comes into sight, and its vertices where shading is per vertex.
-    fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
+    pub(super) fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
         let corners = plan.assembly.triangles[primitive as usize];
         let vertices = plan.corners(primitive);
         let homogeneous = vertices.map(|v| v.homogeneous());
@@ -247,7 +265,7 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Evaluates the equation for all batches.
-    fn light(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
+    pub(super) fn light(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
         let mode = pass.mode;
         let per_vertex = mode.shading != ShadeModel::Phong;
         let count = if per_vertex {
@@ -303,14 +321,7 @@ impl<R: Real> Workspace<R> {
         let lit = &self.lit;
         for fragment in &self.fragments {
             let at = usize::from(fragment.at);
-            let mut color = fragment.pick(mode.shading, &lit.color);
-            if mode.split {
-                let secondary = fragment.pick(mode.shading, &lit.secondary);
-                for (c, s) in color.iter_mut().zip(secondary) {
-                    *c += s;
-                }
-            }
-            self.shown.color[at] = if mode.clamp { clamp_rgb(color) } else { color };
+            self.shown.color[at] = fragment.color(mode, lit);
             if mode.keeps_plain() {
                 self.shown.plain[at] = fragment.pick(mode.shading, &lit.plain);
             }
@@ -322,8 +333,22 @@ impl<R: Real> Workspace<R> {
 }
 
 impl Fragment {
+    /// The fragment's colour: interpolated, GL's secondary colour added, then clamped if the mode says so.
+    #[inline]
+    pub(super) fn color<R: Real>(&self, mode: &Mode, lit: &Lit<R>) -> [R; 3] {
+        let mut color = self.pick(mode.shading, &lit.color);
+        if mode.split {
+            let secondary = self.pick(mode.shading, &lit.secondary);
+            for (c, s) in color.iter_mut().zip(secondary) {
+                *c += s;
+            }
+        }
+        if mode.clamp { clamp_rgb(color) } else { color }
+    }
+
     /// The fragment's value of what its points have.
-    fn pick<R: Real>(&self, shading: ShadeModel, values: &[[R; 3]]) -> [R; 3] {
+    #[inline]
+    pub(super) fn pick<R: Real>(&self, shading: ShadeModel, values: &[[R; 3]]) -> [R; 3] {
         let [a, b, c] = self.points;
         let (a, b, c) = (a as usize, b as usize, c as usize);
         match shading {

@@ -4,6 +4,7 @@
 //! Nothing is shaded here, so that each visible sample is shaded once. A nearer key wins, equal keys leave the lower
 //! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by 256, rounded
 //! down: exact, since samples are whole pixels apart), else in 64. Jittered samples always take 64 bits.
+//! [`Visibility::probe`] asks the same of one triangle against depths that stay, for blending.
 
 use super::Counters;
 use super::edges::{Edges, SAMPLE_BITS};
@@ -82,7 +83,39 @@ impl Visibility {
         self.primitive.fill(NONE);
     }
 
-    /// Draws one triangle.
+    /// Takes over the depths of another tile, and sees nothing nearer yet.
+    pub(super) fn start_from(&mut self, other: &Self) {
+        self.key.copy_from_slice(&other.key);
+        self.primitive.fill(NONE);
+    }
+
+    /// The samples of one triangle that are nearer than `other` shows, in rows from the top; their depths are not kept.
+    /// `self` has been started from `other`.
+    pub(super) fn probe(
+        &mut self,
+        other: &Self,
+        (area, samples, bits): (&TileArea, &Samples<'_>, u32),
+        triangle: (&Record, Form<'_>),
+        counters: &mut Counters,
+        mut found: impl FnMut(usize, usize),
+    ) {
+        let Some(Window { first, count }) = self.draw(area, samples, bits, triangle, counters)
+        else {
+            return;
+        };
+        for y in first[1]..first[1] + count[1] {
+            for x in first[0]..first[0] + count[0] {
+                let at = y * TILE + x;
+                if self.primitive[at] != NONE {
+                    self.primitive[at] = NONE;
+                    self.key[at] = other.key[at];
+                    found(x, y);
+                }
+            }
+        }
+    }
+
+    /// Draws one triangle; the pixels that were looked at, if any.
     pub(super) fn draw(
         &mut self,
         area: &TileArea,
@@ -90,7 +123,7 @@ impl Visibility {
         bits: u32,
         (record, form): (&Record, Form<'_>),
         counters: &mut Counters,
-    ) {
+    ) -> Option<Window> {
         match form {
             Form::Snapped(v) => self.draw_snapped(area, samples, bits, record, v, counters),
             Form::Sides { sides, first, last } => {
@@ -102,12 +135,13 @@ impl Visibility {
                     let least = (first[axis] as usize).max(area.corner[axis]);
                     let end = (last[axis] as usize + 1).min(area.corner[axis] + area.size[axis]);
                     if least >= end {
-                        return;
+                        return None;
                     }
                     window.first[axis] = least - area.corner[axis];
                     window.count[axis] = end - least;
                 }
                 self.by_sides(area, samples, &window, record, sides, counters);
+                Some(window)
             }
         }
     }
@@ -120,7 +154,7 @@ impl Visibility {
         record: &Record,
         v: [[i64; 2]; 3],
         counters: &mut Counters,
-    ) {
+    ) -> Option<Window> {
         let offsets = match samples {
             Samples::Shared { offset, .. } => [*offset, *offset],
             Samples::Each { .. } => [[0; 2], [(1 << SAMPLE_BITS) - 1; 2]],
@@ -134,7 +168,7 @@ impl Visibility {
             let least = (least - area.place[axis]).max(0);
             let most = (most - area.place[axis]).min(area.size[axis] as i64 - 1);
             if least > most {
-                return;
+                return None;
             }
             first[axis] = least as usize;
             count[axis] = (most - least + 1) as usize;
@@ -149,7 +183,7 @@ impl Visibility {
         }
         let mut edges = Edges::new(v, bits, place);
         if edges.misses(extent) {
-            return;
+            return None;
         }
         for i in 0..3 {
             if edges.contains(i, extent) {
@@ -177,6 +211,7 @@ impl Visibility {
                 self.scattered(&window, &edges, record, offset, ray, counters);
             }
         }
+        Some(window)
     }
 
     /// The kernel for triangles that their sides decide.
@@ -317,7 +352,7 @@ fn limit(key: f64, [least, most]: [f64; 2]) -> f64 {
 }
 
 /// Pixels of a tile.
-struct Window {
+pub(super) struct Window {
     first: [usize; 2],
     count: [usize; 2],
 }

@@ -130,6 +130,22 @@ impl Snap {
     }
 }
 
+/// What the rasterizer makes of transmissive surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transparency {
+    /// They are drawn like any other, so that the tracer's difference is exactly K_T I_T (the default).
+    #[default]
+    Opaque,
+    /// GL's stand-in (GL 2.1 section 4.1.8): blended over the opaque surfaces with [`Optics::blend_alpha`], in the order
+    /// of the triangles, tested against the depth of the opaque ones and writing none.
+    Blend,
+}
+
+impl Transparency {
+    /// The one table of names: scene file and reports; the first name of a value is the one to print.
+    pub const NAMES: &[(&'static str, Self)] = &[("opaque", Self::Opaque), ("blend", Self::Blend)];
+}
+
 /// `[raster]`: how the rasterizer draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RasterSettings {
@@ -147,6 +163,8 @@ pub struct RasterSettings {
     /// The nearest surface shows (GL_DEPTH_TEST with GL_LESS); else the last one drawn does, and depth stays unwritten. The
     /// tracer ignores it. Default true.
     pub depth_test: bool,
+    /// Transmissive surfaces; the tracer ignores it. Default opaque.
+    pub transparency: Transparency,
 }
 
 impl Default for RasterSettings {
@@ -158,6 +176,7 @@ impl Default for RasterSettings {
             depth_range: [0.0, 1.0],
             snap: Snap::Bits8,
             depth_test: true,
+            transparency: Transparency::Opaque,
         }
     }
 }
@@ -353,6 +372,13 @@ impl Scene {
             Geometry::Shape(_) => None,
         });
         meshes.flat_map(|mesh| &mesh.colors)
+    }
+
+    /// Whether the rasterizer blends anything: the setting asks for it, and some object's material is transmissive.
+    pub fn blends(&self) -> bool {
+        let mut used = self.objects.iter().flat_map(|o| &o.materials);
+        self.raster.transparency == Transparency::Blend
+            && used.any(|m| self.materials[*m].optics.blend_alpha().is_some())
     }
 
     /// Some colour of a light, a material, a vertex or the light model is negative: sums run in f64, rounded once.

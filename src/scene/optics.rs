@@ -1,6 +1,6 @@
-//! What only the tracer reads of a material.
+//! What only the tracer reads of a material; the rasterizer reads K_T alone, and only to blend.
 
-use crate::math::color::Rgb;
+use crate::math::color::{Rgb, clamp01, luma};
 
 /// How reflection and transmission share the light at a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +47,14 @@ impl Optics {
     /// Casts transmitted rays.
     pub fn is_transmissive(&self) -> bool {
         self.transmission.iter().any(|x| *x != 0.0)
+    }
+
+    /// Alpha of GL's stand-in for transparency: 1 - luminance(K_T), limited to [0, 1]; `None` where the luminance is not
+    /// above 0, and the surface opaque. One number for three channels, whatever colour K_T has; index of refraction and
+    /// Fresnel's equations play no part.
+    pub fn blend_alpha(&self) -> Option<f64> {
+        let luminance = luma(self.transmission);
+        (luminance > 0.0).then(|| 1.0 - clamp01(luminance))
     }
 }
 

@@ -215,9 +215,9 @@ const SECTIONS: &[(&str, &str, &str)] = &[
         "",
     ),
     (
-        "[raster]\ntransparency = \"blend\"\n",
-        "2:16 transparency = \"blend\" is not supported: this version draws transmissive surfaces opaque",
-        "",
+        "[raster]\ntransparency = \"blended\"\n",
+        "2:16 transparency: expected one of `opaque` and `blend`, found the string \"blended\"",
+        "did you mean `blend`?",
     ),
     (
         "[raster]\nsnap = 9\n",

@@ -8,7 +8,7 @@ use rastray::math::{DAffine3, DVec3};
 use rastray::sampling::Pattern;
 use rastray::scene::{
     Cull, Curve, Fresnel, FrontFace, Geometry, LightSpace, Profile, Projection, Shadow, Shape,
-    Snap, Tir, teapot,
+    Snap, Tir, Transparency, teapot,
 };
 
 use super::{failure, load_text, mesh_of, notes, scene};
@@ -79,7 +79,7 @@ cull = "back"
 front_face = "cw"
 depth_range = [1, 0]
 snap = 12
-transparency = "opaque"
+transparency = "blend"
 depth_test = false
 [trace]
 depth = 3
@@ -160,6 +160,7 @@ tessellation = 3
     );
     assert_eq!(raster.depth_range, [1.0, 0.0]);
     assert!(!raster.depth_test);
+    assert_eq!(raster.transparency, Transparency::Blend);
     let trace = &scene.trace;
     assert_eq!(
         (trace.depth, trace.shadow, trace.tir),

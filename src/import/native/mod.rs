@@ -3,7 +3,7 @@
 //! Sections are read in the order image, light model, raster, trace, lights, materials, objects, camera, since the
 //! camera may be fitted to the objects; lights, materials and objects keep the file's order. What the file leaves out
 //! has OpenGL's default but for the exceptions of DESIGN, section 1. Not read in this version, each an error with a
-//! reason: textures, `raster.transparency = "blend"`.
+//! reason: textures.
 
 mod bezier;
 mod colors;

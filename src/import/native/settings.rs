@@ -7,12 +7,12 @@ use crate::gl::{ColorControl, ShadeModel, SpecularModel};
 use crate::import::Fitted;
 use crate::import::document::{Key, Node, Value};
 use crate::import::keys::{self, MAX_PIXELS};
-use crate::import::reader::{Section, unsupported};
+use crate::import::reader::Section;
 use crate::math::float::normalize;
 use crate::math::{DVec2, DVec3};
 use crate::sampling::Pattern;
 use crate::scene::fit::{self, Bounds};
-use crate::scene::{Camera, Cull, FrontFace, Projection, Shadow, Snap, Tir};
+use crate::scene::{Camera, Cull, FrontFace, Projection, Shadow, Snap, Tir, Transparency};
 
 /// From where an unplaced camera looks: a little from the right and above.
 const TOWARD: DVec3 = DVec3::new(0.45, 0.4, 1.0);
@@ -122,16 +122,10 @@ impl<'a> Reader<'a> {
         if let Some(snap) = snap(&section)? {
             raster.snap = snap;
         }
-        let blend = section.choice("transparency", &[("opaque", false), ("blend", true)])?;
-        match (blend, section.get("transparency")) {
-            (Some(true), Some(node)) => Err(unsupported(
-                self.document,
-                node,
-                "transparency = \"blend\"",
-                "this version draws transmissive surfaces opaque",
-            )),
-            _ => Ok(()),
+        if let Some(transparency) = section.choice("transparency", Transparency::NAMES)? {
+            raster.transparency = transparency;
         }
+        Ok(())
     }
 
     pub(super) fn trace(&mut self, entry: Entry<'a>) -> Result<(), Error> {

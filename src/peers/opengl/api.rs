@@ -372,6 +372,8 @@ names! {
     LESS = 0x0201;
     EQUAL = 0x0202;
     ONE = 1;
+    SRC_ALPHA = 0x0302;
+    ONE_MINUS_SRC_ALPHA = 0x0303;
     FRONT = 0x0404;
     FRONT_AND_BACK = 0x0408;
     BACK = 0x0405;

@@ -18,6 +18,9 @@
 //! picture shifted by sub-pixels, averaged here.
 //! A second draw with the same state and the triangle's number as its flat colour tells which triangle each pixel shows.
 //!
+//! Transmissive triangles that the scene asks to blend (`raster.transparency = "blend"`) go to GL_BLEND as the rasterizer has
+//! them: after the opaque ones, in order, depth writes off; their numbers and depths are not drawn.
+//!
 //! Left out: jittered samples (one place a pixel is not a shift of the picture), textures. Depth is the driver's 32-bit (or
 //! 24-bit) window depth, so surfaces closer together than its steps may change places.
 
@@ -300,6 +303,12 @@ impl Driver {
         let (count, most) = (lights.len(), self.info.max_lights);
         if count <= most {
             return None;
+        }
+        if scene.blends() {
+            // The groups of one triangle would have to follow each other, before the next triangle is blended.
+            return Some(format!(
+                "surfaces are blended under {count} lights, and GL holds {most}"
+            ));
         }
         match (options.clamp, scene.raster.depth_test) {
             (true, _) => Some(format!(

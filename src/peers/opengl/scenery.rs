@@ -1,7 +1,8 @@
 //! A scene on its way into a framebuffer: colours in passes, then triangle numbers.
 //!
 //! In: a scene, its assembly, lights in eye space. Out: a [`Picture`]. Triangles go over in order, in runs of one material,
-//! the provoking vertex last, so that equal depths keep the lowest number as in the rasterizer.
+//! the provoking vertex last, so that equal depths keep the lowest number as in the rasterizer. Where the scene blends,
+//! transmissive triangles follow the opaque ones (GL 2.1 section 4.1.8); without a depth test all keep the file's order.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ use crate::lanes::Real;
 use crate::math::color::clamp_rgb;
 use crate::sampling;
 use crate::scene::assembly::Assembly;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Material, Scene, Transparency};
 
 /// Triangles that one draw call takes at most.
 const RUN: usize = 1 << 15;
@@ -169,6 +170,10 @@ impl<R: Real> Scenery<'_, R> {
         let mut number = 0u32;
         let mut arrays = Arrays::default();
         for range in runs(&self.assembly.material) {
+            if self.alpha(range.start).is_some() {
+                number += range.len() as u32;
+                continue;
+            }
             self.gather(range.clone(), &mut arrays);
             for _ in range {
                 let (high, low) = (number / NUMBER_BASE, number % NUMBER_BASE);
@@ -187,22 +192,54 @@ impl<R: Real> Scenery<'_, R> {
         })
     }
 
-    /// Hands over the triangles in order, in runs of one material, with colours where it follows them.
+    /// Hands over the triangles in order, in runs of one material, with colours where it follows them; where the scene blends,
+    /// opaque ones first.
     fn each_run(&self, mut draw: impl FnMut([&gl::Material; 2], &Arrays)) {
-        let mut arrays = Arrays::default();
-        for range in runs(&self.assembly.material) {
-            let material = self.assembly.material[range.start] as usize;
-            let sides = state::sides(&self.scene.materials[material], &self.scene.light_model);
-            self.gather(range.clone(), &mut arrays);
-            if sides.iter().any(|side| side.tracked.any()) {
-                let vertices = self.assembly.triangles[range].iter().flatten();
-                let colors = vertices.filter_map(|v| self.assembly.vertex_color(*v));
-                let alpha = gl::CURRENT_COLOR[3];
-                let rgba = |c: [R; 3]| state::rgba(c.map(Real::to_f64), alpha);
-                arrays.colors.extend(colors.map(rgba));
+        let (blends, mut arrays) = (self.scene.blends(), Arrays::default());
+        let passes: &[&[bool]] = match (blends, self.scene.raster.depth_test) {
+            (true, true) => &[&[false], &[true]],
+            (true, false) | (false, _) => &[&[false, true]],
+        };
+        for pass in passes {
+            for range in runs(&self.assembly.material) {
+                let alpha = self.alpha(range.start);
+                if !pass.contains(&alpha.is_some()) {
+                    continue;
+                }
+                let material = &self.scene.materials[self.assembly.material[range.start] as usize];
+                let blended = alpha.map(|alpha| with_alpha(material, alpha));
+                let material = blended.as_ref().unwrap_or(material);
+                let sides = state::sides(material, &self.scene.light_model);
+                self.gather(range.clone(), &mut arrays);
+                if sides.iter().any(|side| side.tracked.any()) {
+                    self.gather_colors(range, alpha, &mut arrays);
+                }
+                if blends {
+                    state::set_blending(self.gl, alpha.is_some());
+                }
+                draw(sides, &arrays);
             }
-            draw(sides, &arrays);
         }
+        if blends {
+            state::set_blending(self.gl, false);
+        }
+    }
+
+    /// The vertex colours of consecutive triangles, for materials that follow them.
+    fn gather_colors(&self, range: Range<usize>, alpha: Option<f64>, arrays: &mut Arrays) {
+        let vertices = self.assembly.triangles[range].iter().flatten();
+        let colors = vertices.filter_map(|v| self.assembly.vertex_color(*v));
+        let alpha = alpha.unwrap_or(gl::CURRENT_COLOR[3]);
+        let rgba = |c: [R; 3]| state::rgba(c.map(Real::to_f64), alpha);
+        arrays.colors.extend(colors.map(rgba));
+    }
+
+    /// The alpha that a triangle is blended with; `None` where it is opaque.
+    fn alpha(&self, triangle: usize) -> Option<f64> {
+        let material = self.assembly.material[triangle] as usize;
+        let blends = self.scene.raster.transparency == Transparency::Blend;
+        let alpha = || self.scene.materials[material].optics.blend_alpha();
+        blends.then(alpha).flatten()
     }
 
     /// Eye-space positions and normals of consecutive triangles, the provoking vertex last.
@@ -223,6 +260,16 @@ impl<R: Real> Scenery<'_, R> {
                 .push(normal.map(|n| (n.to_f64() * length) as f32));
         }
     }
+}
+
+/// The material with an alpha, which GL takes from the diffuse colour (GL 2.1 section 2.14.1).
+fn with_alpha(material: &Material, alpha: f64) -> Material {
+    let mut material = material.clone();
+    material.front.alpha = alpha;
+    if let Some(back) = &mut material.back {
+        back.alpha = alpha;
+    }
+    material
 }
 
 /// Runs of consecutive equal materials, none longer than [`RUN`].

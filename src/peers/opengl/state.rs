@@ -132,6 +132,13 @@ pub(super) fn set_scene(gl: &Gl, scene: &Scene, shading: ShadeModel, clamp: bool
     (0..lights).for_each(|i| gl.disable(api::LIGHT0 + i));
 }
 
+/// GL_BLEND for transparency, which writes no depth; or neither, as [`set_scene`] leaves it.
+pub(super) fn set_blending(gl: &Gl, on: bool) {
+    switch(gl, api::BLEND, on);
+    gl.blend_func(api::SRC_ALPHA, api::ONE_MINUS_SRC_ALPHA);
+    gl.depth_mask(u8::from(!on));
+}
+
 /// glClampColor: of vertices and fragments; what is read back is never clamped.
 pub(super) fn set_clamps(gl: &Gl, clamp: bool) {
     gl.clamp_color(api::CLAMP_VERTEX_COLOR, u32::from(clamp));
