@@ -8,7 +8,7 @@
 //! Box test (Ize 2013): the ray's origin is rounded to both sides, the far end widened by 1 + 2 gamma(n); a ray parallel to
 //! a slab gets a finite, huge inverse, so that it skips the axis when inside and misses outside, and 0 * infinity never
 //! occurs. Child boxes lie side by side in arrays of `W`, so that the compiler, or packets later, test them in lanes.
-//! A leaf may hold a hierarchy of its own ([`super::instance`]): the walker's stack serves both. Leaves out: packets.
+//! A leaf may hold a hierarchy of its own (`instance`): the walker's stack serves both. Leaves out: packets.
 
 use super::ray::Ray;
 use crate::math::DVec3;
