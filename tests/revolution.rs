@@ -1,5 +1,8 @@
 //! Surfaces of revolution: closed forms, one owner for every crossing, an independent scan, meshes, and bad profiles.
 
+#[path = "common/random.rs"]
+mod random;
+
 use rastray::gl;
 use rastray::math::{DAffine3, DMat3, DVec2, DVec3};
 use rastray::scene::assembly::Assembly;
@@ -14,34 +17,10 @@ use rastray::trace::{Geometry, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use random::Random;
+
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
-}
-
-/// Numbers in -1..1, the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        v(self.next(), self.next(), self.next())
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let d = self.vector();
-            if d.length() < 1.0 && d.length() > 0.1 {
-                return d.normalize();
-            }
-        }
-    }
 }
 
 fn turned(base: DVec3, axis: DVec3, curve: Curve, points: &[[f64; 2]]) -> Shape {

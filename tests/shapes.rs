@@ -1,5 +1,8 @@
 //! Round shapes: closed forms, independent references, parity, and both renderers on a scene that has them all.
 
+#[path = "common/random.rs"]
+mod random;
+
 use rastray::decompose::{Options as Steps, decompose};
 use rastray::import::{LoadOptions, load};
 use rastray::lanes::{Isa, Real};
@@ -17,34 +20,10 @@ use rastray::{gl, scene::fit};
 /// Every shape, each lit, one material shiny and one clear.
 const ALL_SHAPES: &str = include_str!("data/shapes.toml");
 
+use random::Random;
+
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
-}
-
-/// Numbers in -1..1, the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        v(self.next(), self.next(), self.next())
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let d = self.vector();
-            if d.length() < 1.0 && d.length() > 0.1 {
-                return d.normalize();
-            }
-        }
-    }
 }
 
 fn exact(a: DVec3, b: DVec3) -> [Twofold; 3] {
