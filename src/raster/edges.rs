@@ -41,7 +41,8 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// The edge functions of a triangle of positive area and of vertices within [`SMALL_UNITS`], with this many sub-pixel bits, at a place in 1/256 px.
+    /// The edge functions of a triangle of positive area and of vertices within [`SMALL_UNITS`], with this many sub-pixel
+    /// bits, at a place in 1/256 px.
     pub(super) fn new(v: [[i64; 2]; 3], bits: u32, place: [i64; 2]) -> Self {
         let finer = bits - SAMPLE_BITS;
         let place = [place[0] << finer, place[1] << finer];

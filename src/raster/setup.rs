@@ -1,8 +1,9 @@
 //! Triangle setup: facing, culling, clipping, snapping, the depth plane; and binning to screen tiles in primitive order.
 //!
 //! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices where a triangle has them
-//! (`edges`), else on its sides (`sides`). A triangle whose exact or snapped area is 0 draws nothing. Triangles are set up in parallel in chunks of consecutive primitives; each chunk lists,
-//! for each tile, its records in order, so walking the chunks in order gives primitive order whatever the thread count.
+//! (`edges`), else on its sides (`sides`). A triangle whose exact or snapped area is 0 draws nothing. Triangles are set up
+//! in parallel in chunks of consecutive primitives; each chunk lists, for each tile, its records in order, so walking the
+//! chunks in order gives primitive order whatever the thread count.
 //!
 //! Depth is a key, larger = closer, that is affine in the picture: 1 / distance (perspective: reversed depth with an
 //! infinite far plane) or -distance (orthographic), as k0 + kx X + ky Y in f64 at the sample's ray (X, Y), held within the

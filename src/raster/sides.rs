@@ -1,10 +1,11 @@
 //! Coverage of one triangle from homogeneous vertices: exact half-planes where there are no snapped integers to step.
 //!
 //! For triangles that cross near or far, reach beyond the range of the integers, or are drawn without a snap grid. Nothing
-//! is clipped and nothing divided: a side is the plane through the eye and two vertices, and a sample is inside by the sign of
-//! a 3 x 3 determinant, decided exactly (Olano and Greer 1997; Shewchuk 1997). Where all three signs agree with the
+//! is clipped and nothing divided: a side is the plane through the eye and two vertices, and a sample is inside by the sign
+//! of a 3 x 3 determinant, decided exactly (Olano and Greer 1997; Shewchuk 1997). Where all three signs agree with the
 //! triangle's own orientation the sample's ray meets it in front of the eye, so w <= 0 needs no care (GL 2.1 section 2.12
-//! clips to the same end). Samples on a side belong to the triangle for which it is a left side or a horizontal top side, as in `edges`.
+//! clips to the same end). Samples on a side belong to the triangle for which it is a left side or a horizontal top side,
+//! as in `edges`.
 //!
 //! A side between two snapped vertices lies where the integers of `edges` have it (pixel frame); any other side runs between
 //! the vertices as they are, or through the ray of its snapped end (ray frame: x, y, w and the sample's (X, Y, 1)).

@@ -16,8 +16,8 @@ pub enum Projection {
         /// Height of the view, scene units.
         height: f64,
     },
-    /// A projection matrix as GL holds it: any that glLoadMatrix could load. Near and far are its planes z = -w and z = w; the camera's own
-    /// are not used. One that cannot be inverted shows nothing.
+    /// A projection matrix as GL holds it: any that glLoadMatrix could load. Near and far are its planes z = -w and z = w;
+    /// the camera's own are not used. One that cannot be inverted shows nothing.
     Matrix {
         /// Eye space to clip space.
         clip_from_eye: DMat4,

@@ -10,13 +10,13 @@
 //! (Modelviews, normal transforms and light matrices of the driver are held against the specification case by case: see
 //! [`Driver::light_point`].) GL 2.1 sections 2.11 to 2.14, 3.5, 3.9, 4.1.6.
 //!
-//! **How.** Fixed function (glLight, glMaterial, glColorMaterial, glLightModel) wherever GL has the feature ([`Method::FixedFunction`]). More
-//! lights than GL holds (GL_MAX_LIGHTS, at least 8) are added in further passes over the same triangles, where no clamp
-//! stands between them. What GL does not have goes through a GLSL 1.20 shader with the same equation, and the picture
-//! says why: the (V.R)^n form, values that GL refuses (a shininess above 128), clamped colours of more than GL_MAX_LIGHTS
-//! lights, vertex colours in terms that no glColorMaterial combines, lighting per fragment. Samples are passes with the
-//! picture shifted by sub-pixels, averaged here.
-//! A second draw with the same state and the triangle's number as its flat colour tells which triangle each pixel shows.
+//! **How.** Fixed function (glLight, glMaterial, glColorMaterial, glLightModel) wherever GL has the feature
+//! ([`Method::FixedFunction`]). More lights than GL holds (GL_MAX_LIGHTS, at least 8) are added in further passes over the
+//! same triangles, where no clamp stands between them. What GL does not have goes through a GLSL 1.20 shader with the same
+//! equation, and the picture says why: the (V.R)^n form, values that GL refuses (a shininess above 128), clamped colours of
+//! more than GL_MAX_LIGHTS lights, vertex colours in terms that no glColorMaterial combines, lighting per fragment. Samples
+//! are passes with the picture shifted by sub-pixels, averaged here. A second draw with the same state and the triangle's
+//! number as its flat colour tells which triangle each pixel shows.
 //!
 //! Transmissive triangles that the scene asks to blend (`raster.transparency = "blend"`) go to GL_BLEND as the rasterizer has
 //! them: after the opaque ones, in order, depth writes off; their numbers and depths are not drawn.

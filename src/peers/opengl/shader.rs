@@ -1,10 +1,10 @@
 //! The lighting equation in GLSL 1.20, for what fixed function does not have.
 //!
-//! In: the shape of a scene's model (numbers of lights, specular form, viewer, clamps). Out: a program that evaluates
-//! GL 2.1 section 2.14.1, or the lecture's (V.R)^n, at vertices (fixed function interpolates and adds the secondary colour) or at
-//! fragments (position, normal and vertex colour interpolated, the normal renormalised). Positions come from `ftransform`, so that depth
-//! and coverage are fixed function's own. This text is the driver's side of the comparison: it shares nothing with
-//! `lighting`, whose answers it is to be held against.
+//! In: the shape of a scene's model (numbers of lights, specular form, viewer, clamps). Out: a program that evaluates GL
+//! 2.1 section 2.14.1, or the lecture's (V.R)^n, at vertices (fixed function interpolates and adds the secondary colour) or
+//! at fragments (position, normal and vertex colour interpolated, the normal renormalised). Positions come from
+//! `ftransform`, so that depth and coverage are fixed function's own. This text is the driver's side of the comparison: it
+//! shares nothing with `lighting`, whose answers it is to be held against.
 
 use super::api::{self, Gl};
 use super::state::rgba;
@@ -245,8 +245,9 @@ void main() {
 }
 ";
 
-/// Position, normal and vertex colour for the fragments, and as GL's colour whether GL takes the triangle for front or back: `gl_FrontFacing`
-/// is always false in softpipe (Mesa 22.3.6), while fixed function's choice between the two colours is right.
+/// Position, normal and vertex colour for the fragments, and as GL's colour whether GL takes the triangle for front or
+/// back: `gl_FrontFacing` is always false in softpipe (Mesa 22.3.6), while fixed function's choice between the two colours
+/// is right.
 const PASS_ON: &str = r"
 varying vec3 eye_position;
 varying vec3 eye_normal;
