@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use super::{Context, Viewport};
 use crate::error::Error;
-use crate::frame::{Frame, NONE};
+use crate::frame::Frame;
 use crate::gl;
-use crate::math::color::{clamp01, quantize8};
-use crate::math::{DMat3, DVec2, DVec3};
+use crate::math::color::quantize8;
+use crate::raster::Plan;
 use crate::scene::assembly::Assembly;
-use crate::scene::projection::{Form, Lens};
+use crate::scene::requirements::Model;
 use crate::scene::{Geometry, Scene};
 
 /// The most pixels that one read returns.
@@ -151,21 +151,14 @@ impl Context {
         let area = Area::new(x, y, width, height)?;
         let viewport = self.drawn_viewport();
         let scene = self.scene()?;
-        let lens = Lens::new(&scene.camera.clip_from_eye(1.0)).filter(|_| scene.raster.depth_test);
         let assembly = Assembly::<f32>::new(&scene, None)?;
-        let frame = self.drawn(viewport)?;
-        let [n, f] = scene.raster.depth_range;
+        let plan = Plan::new(&scene, &assembly, Model::Required);
+        let window = self.drawn(viewport)?.map(|frame| plan.window_depth(frame));
         let mut depths = Vec::new();
         for place in area.places(viewport) {
-            let seen = place
-                .zip(frame)
-                .zip(lens.as_ref())
-                .and_then(|(([x, y], frame), lens)| {
-                    ndc_depth(&assembly, frame, lens, [x as usize, y as usize])
-                });
-            // GL 2.1 section 2.11.1.
-            let window = seen.map_or(1.0, |z| (f - n) / 2.0 * z + (n + f) / 2.0);
-            depths.push(clamp01(window) as f32);
+            let depth = place.zip(window.as_ref());
+            let depth = depth.map_or(1.0, |([x, y], z)| *z.at(x as usize, y as usize));
+            depths.push(depth as f32);
         }
         Ok(depths)
     }
@@ -222,37 +215,4 @@ impl Context {
         }
         Ok(scene)
     }
-}
-
-/// Depth in normalized device coordinates of what a pixel shows; `None` where that is nothing.
-fn ndc_depth(
-    assembly: &Assembly<f32>,
-    frame: &Frame<f32>,
-    lens: &Lens,
-    [x, y]: [usize; 2],
-) -> Option<f64> {
-    let primitive = *frame.primitive.at(x, y);
-    if primitive == NONE {
-        return None;
-    }
-    if lens.form != Form::General {
-        let [_, _, z, w] = lens.clip([0.0, 0.0, -f64::from(*frame.depth.at(x, y))]);
-        return Some((z / w).clamp(-1.0, 1.0));
-    }
-    // z / w is affine in the picture: z = p x + q y + r w at the three corners.
-    let corners = assembly.triangles[primitive as usize];
-    let clip = corners.map(|v| lens.clip(assembly.vertex_eye(v).map(f64::from)));
-    let rows = clip.map(|[x, y, _, w]| DVec3::new(x, y, w));
-    let plane = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array()))
-        .transpose()
-        .inverse();
-    let coefficients = plane * DVec3::from_array(clip.map(|c| c[2]));
-    let size = DVec2::new(frame.color.width as f64, frame.color.height as f64);
-    let place = 2.0 * DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / size - 1.0;
-    let z = coefficients.dot(DVec3::new(place.x, -place.y, 1.0));
-    Some(if z.is_finite() {
-        z.clamp(-1.0, 1.0)
-    } else {
-        1.0
-    })
 }

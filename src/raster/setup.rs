@@ -7,13 +7,15 @@
 //!
 //! Depth is a key, larger = closer, that is affine in the picture: 1 / distance (perspective: reversed depth with an
 //! infinite far plane) or -distance (orthographic), as k0 + kx X + ky Y in f64 at the sample's ray (X, Y), held within the
-//! keys of the triangle's own vertices: a sample that only snapping gave to a steep triangle must not leap forward.
+//! keys of the triangle's own vertices: a sample that only snapping gave to a steep triangle must not leap forward. The depth
+//! test and the depth range decide what the key is made of ([`DepthOrder`]): the kernels only ask for the larger one.
 
 use super::clip::{Polygon, clip};
 use super::edges::{Edges, SAMPLE_BITS};
 use super::records::{BY_SIDES, Chunk, Record, SampleBox, TILE, TileArea, TileGrid};
 use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
+use crate::math::color::clamp01;
 use crate::math::float::dot;
 use crate::scene::{Cull, RasterSettings};
 
@@ -35,13 +37,14 @@ pub(super) enum DepthOrder {
 impl DepthOrder {
     /// What a scene's settings ask for.
     pub(super) fn of(raster: &RasterSettings) -> Self {
-        let [near, far] = raster.depth_range;
-        match (raster.depth_test, near.total_cmp(&far)) {
-            (false, _) => Self::Last,
-            (true, std::cmp::Ordering::Less) => Self::Nearest,
-            (true, std::cmp::Ordering::Greater) => Self::Farthest,
-            (true, std::cmp::Ordering::Equal) if near == 1.0 => Self::Never,
-            (true, std::cmp::Ordering::Equal) => Self::First,
+        // glDepthRange clamps.
+        let [near, far] = raster.depth_range.map(clamp01);
+        match raster.depth_test {
+            false => Self::Last,
+            true if near < far => Self::Nearest,
+            true if near > far => Self::Farthest,
+            true if near == 1.0 => Self::Never,
+            true => Self::First,
         }
     }
 }

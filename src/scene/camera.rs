@@ -17,7 +17,7 @@ pub enum Projection {
         height: f64,
     },
     /// A projection matrix as GL holds it: any that glLoadMatrix could load. Near and far are its planes z = -w and z = w;
-    /// the camera's own are not used. One that cannot be inverted shows nothing.
+    /// the camera's own are not used. The tracer has no ray for one that cannot be inverted, and sees nothing.
     Matrix {
         /// Eye space to clip space.
         clip_from_eye: DMat4,

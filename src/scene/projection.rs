@@ -1,11 +1,11 @@
-//! A projection matrix taken apart: what the rasterizer's vertices and the tracer's rays both need of it.
+//! A projection matrix taken apart: the primary rays that are its inverse. (The rasterizer multiplies by the matrix itself.)
 //!
-//! In: a GL projection matrix, clip = P eye (GL 2.1 section 2.11). Out: the rows that make clip coordinates, what the planes
-//! z = -w and z = w bound (section 2.12), and the ray that the matrix sends to a place of the picture. Three forms, so that
-//! what glFrustum, gluPerspective and glOrtho make keeps the accuracy of a camera that is described in words: there, depth
-//! is the distance along -z and the planes are distances. Every other invertible matrix is `General`.
+//! In: a GL projection matrix, clip = P eye (GL 2.1 section 2.11). Out: the ray that the matrix sends to a place of the
+//! picture, the part of it between the planes z = -w and z = w (section 2.12), and whether the picture is a mirror image.
+//! Three forms, so that what glFrustum, gluPerspective and glOrtho make keeps the accuracy of a camera that is described in
+//! words: there, depth is the distance along -z and the planes are distances. Every other invertible matrix is `General`.
 //!
-//! Eye space in, ndc and clip coordinates out, f64. Matrices that are singular or not finite have no [`Lens`]: nothing is seen.
+//! Eye space and f64. Matrices that are singular or not finite have no [`Lens`]: no ray sees anything.
 
 use crate::math::{DMat4, DVec2, DVec3, DVec4};
 
@@ -106,16 +106,6 @@ impl Lens {
             return None;
         }
         self.scaled(Form::Orthographic, c, [(b + c) / a, (b - c) / a])
-    }
-
-    /// Clip coordinates of an eye-space point, up to the factor that [`Lens::new`] took out.
-    #[inline]
-    pub fn clip(&self, eye: [f64; 3]) -> [f64; 4] {
-        let [x, y, z] = eye;
-        // Written out: closures given to array::map are not inlined here.
-        let row = |r: &DVec4| r.x * x + r.y * y + r.z * z + r.w;
-        let [a, b, c, d] = &self.rows;
-        [row(a), row(b), row(c), row(d)]
     }
 
     /// The ray of all points that the matrix sends to a place of the picture (ndc), eye space.
