@@ -22,8 +22,11 @@ const LAYERS: &[(&str, u32)] = &[
     ("decompose", 6),
     ("context", 6),
     ("peers", 6),
-    ("report", 8),
-    ("cli", 9),
+    ("explain", 7),
+    ("trade", 7),
+    ("check", 8),
+    ("report", 9),
+    ("cli", 10),
 ];
 
 /// Modules of one layer that may use each other (the foundation knows one another; siblings above do not).

@@ -8,25 +8,13 @@ use clap::{Args, ColorChoice, ValueEnum};
 #[derive(Debug, Args)]
 pub(super) struct Global {
     /// Worker threads (default: one a core)
-    #[arg(
-        short = 'j',
-        long,
-        global = true,
-        value_name = "N",
-        help_heading = "General"
-    )]
+    #[arg(short = 'j', long, global = true, value_name = "N")]
     pub(super) threads: Option<usize>,
     /// Say nothing but errors
-    #[arg(
-        short,
-        long,
-        global = true,
-        conflicts_with = "verbose",
-        help_heading = "General"
-    )]
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub(super) quiet: bool,
     /// Say more: each step as it starts
-    #[arg(short, long, global = true, help_heading = "General")]
+    #[arg(short, long, global = true, hide_short_help = true)]
     pub(super) verbose: bool,
     /// Colours in messages
     #[arg(
@@ -34,10 +22,17 @@ pub(super) struct Global {
         global = true,
         value_name = "WHEN",
         default_value = "auto",
-        hide_short_help = true,
-        help_heading = "General"
+        hide_short_help = true
     )]
     pub(super) color: ColorChoice,
+}
+
+/// What `help` is asked about.
+#[derive(Debug, Args)]
+pub(super) struct HelpArgs {
+    /// The command; without it, the whole program
+    #[arg(value_name = "COMMAND")]
+    pub(super) command: Option<String>,
 }
 
 /// The scene and its overrides.

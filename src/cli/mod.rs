@@ -26,7 +26,8 @@ use std::process::ExitCode;
 use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 
 use args::{
-    CompareArgs, CompletionsArgs, Global, InspectArgs, LectureArgs, RenderArgs, ScenesArgs,
+    CompareArgs, CompletionsArgs, Global, HelpArgs, InspectArgs, LectureArgs, RenderArgs,
+    ScenesArgs,
 };
 
 /// One scene, rasterized as OpenGL lights it and ray traced as Whitted did, every difference explained.
@@ -37,6 +38,7 @@ use args::{
     max_term_width = 100,
     subcommand_required = true,
     arg_required_else_help = true,
+    disable_help_subcommand = true,
     after_help = "Start with:  rastray compare whitted",
     after_long_help = EXAMPLES
 )]
@@ -80,6 +82,10 @@ enum Command {
     /// Print the completions of a shell: bash, zsh, fish, powershell, elvish
     #[command(after_long_help = COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
+    /// Print the help of the given command
+    // Our own instead of clap's: hidden, since `-h` has one screen, yet there for who types it.
+    #[command(hide = true)]
+    Help(HelpArgs),
 }
 
 const RENDER_EXAMPLES: &str = "Examples:
@@ -149,6 +155,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Lecture(args) => lecture::lecture(args, verbosity).map(done),
         Command::Schema => commands::schema().map(done),
         Command::Completions(args) => commands::completions(args, Cli::command()).map(done),
+        Command::Help(args) => help(args),
     });
     match result {
         Ok(code) => code,
@@ -157,4 +164,11 @@ pub(crate) fn run() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// `rastray help NAME` is `rastray NAME --help`.
+fn help(args: &HelpArgs) -> ! {
+    let words = std::iter::once("rastray").chain(args.command.as_deref());
+    Cli::parse_from(words.chain(std::iter::once("--help")));
+    unreachable!("--help ends the program");
 }
