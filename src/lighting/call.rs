@@ -330,7 +330,7 @@ impl Counters {
         self.light_vector_roots += n;
         self.attenuations += n * u64::from(point.attenuated);
         self.spot_tests += n * u64::from(spot.is_some());
-        self.pow_calls += n * u64::from(matches!(spot, Some(Power::Other(_))));
+        self.spot_pow_calls += n * u64::from(matches!(spot, Some(Power::Other(_))));
     }
 }
 

@@ -229,8 +229,10 @@ pub struct Counters {
     pub spot_tests: u64,
     /// Highlights that needed the half vector or the reflected direction (exponent not 0).
     pub half_vectors: u64,
-    /// Powers computed, of highlights and of spot falloffs (exponents other than 0 and 1).
+    /// Highlights that needed a power (shininess other than 0 and 1).
     pub pow_calls: u64,
+    /// Points times lights whose falloff inside the cone needed a power (exponents other than 0 and 1).
+    pub spot_pow_calls: u64,
     /// Times that visibility was asked for: once a light and call.
     pub visibility_queries: u64,
 }
@@ -244,6 +246,7 @@ impl AddAssign for Counters {
         self.spot_tests += other.spot_tests;
         self.half_vectors += other.half_vectors;
         self.pow_calls += other.pow_calls;
+        self.spot_pow_calls += other.spot_pow_calls;
         self.visibility_queries += other.visibility_queries;
     }
 }

@@ -238,7 +238,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         } else {
             arriving.dot(front) > 0.0
         };
-        let normal = if flip { -front } else { front };
+        let normal = match (needs.has(Feature::Normal), flip) {
+            (false, _) => DVec3::ZERO,
+            (true, true) => -front,
+            (true, false) => front,
+        };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along, where a highlight asks.
         let primary = path.branch == Branch::Primary;
         let looks_back = if primary {
