@@ -52,6 +52,16 @@ pub struct Reference {
 }
 
 impl Truth {
+    /// What reports call it.
+    pub fn name(self) -> String {
+        match self {
+            Self::Full => "full".to_owned(),
+            Self::Local => "local".to_owned(),
+            Self::Mesh(level) => format!("mesh {level}"),
+            Self::Ideal(samples) => format!("ideal {samples}"),
+        }
+    }
+
     /// Draws it.
     ///
     /// # Errors
