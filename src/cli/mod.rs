@@ -7,6 +7,7 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+mod inspect;
 mod lecture;
 #[cfg(feature = "opengl")]
 mod opengl;
@@ -152,7 +153,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
         Command::Trade(args) => trade::trade(args, verbosity).map(done),
-        Command::Inspect(args) => commands::inspect(args).map(done),
+        Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),
             None => commands::scenes(args).map(done),

@@ -19,6 +19,10 @@ pub struct Counts {
     pub fragments_tested: u64,
     /// Evaluations of the equation.
     pub shaded: u64,
+    /// Points times lights that needed a power.
+    pub pow_calls: u64,
+    /// Points times lights whose direction took a square root.
+    pub light_vector_roots: u64,
     /// Rays from the eye.
     pub primary: u64,
     /// Rays towards lights.
@@ -37,10 +41,12 @@ pub struct Counts {
 type Weighed = (&'static str, fn(&Counts) -> u64, f64);
 
 /// What one of each costs in f32, in nanoseconds of one core.
-pub const WEIGHTS: [Weighed; 9] = [
+pub const WEIGHTS: [Weighed; 11] = [
     ("triangles", |c| c.triangles, 60.0),
     ("fragments tested", |c| c.fragments_tested, 1.0),
     ("shaded points", |c| c.shaded, 40.0),
+    ("pow calls", |c| c.pow_calls, 5.0),
+    ("light-vector roots", |c| c.light_vector_roots, 2.0),
     ("primary rays", |c| c.primary, 60.0),
     ("shadow rays", |c| c.shadow, 60.0),
     ("reflection rays", |c| c.reflection, 100.0),
@@ -59,6 +65,8 @@ impl Counts {
             triangles: counters.triangles_in,
             fragments_tested: counters.fragments_tested,
             shaded: counters.points_shaded,
+            pow_calls: counters.lighting.pow_calls,
+            light_vector_roots: counters.lighting.light_vector_roots,
             ..Self::default()
         }
     }
@@ -68,6 +76,8 @@ impl Counts {
         Self {
             triangles: triangles as u64,
             shaded: counters.shaded_points,
+            pow_calls: counters.lighting.pow_calls,
+            light_vector_roots: counters.lighting.light_vector_roots,
             primary: counters.rays.primary,
             shadow: counters.rays.shadow,
             reflection: counters.rays.reflection,
@@ -96,6 +106,7 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lighting;
 
     #[test]
     fn work_weighs_every_count() {
@@ -112,11 +123,16 @@ mod tests {
                 box_tests: 11,
                 primitive_tests: 13,
                 shaded_points: 17,
+                lighting: lighting::Counters {
+                    pow_calls: 23,
+                    light_vector_roots: 29,
+                    ..lighting::Counters::default()
+                },
                 ..trace::Counters::default()
             },
             19,
         );
-        let sum = [19.0, 0.0, 17.0, 2.0, 3.0, 5.0, 7.0, 11.0, 13.0];
+        let sum = [19.0, 0.0, 17.0, 23.0, 29.0, 2.0, 3.0, 5.0, 7.0, 11.0, 13.0];
         let expected: f64 = sum.iter().zip(WEIGHTS).map(|(n, (_, _, w))| n * w).sum();
         assert_eq!(traced.work(Precision::F32), expected);
         assert_eq!(traced.work(Precision::F64), expected * F64_FACTOR);
