@@ -298,7 +298,8 @@ impl<'a, R: Real> Plan<'a, R> {
     /// The place of a sample in its pixel, in 1/256 px.
     fn sample_offset(&self, x: u32, y: u32, sample: u32) -> [i64; 2] {
         let image = &self.scene.image;
-        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, sample);
+        let (sx, sy) =
+            sampling::seeded_position(image.pattern, image.samples, [x, y], sample, image.seed);
         [i64::from(sx), i64::from(sy)]
     }
 

@@ -167,7 +167,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     fn sample_place(&self, pixel: u32, index: u32) -> DVec2 {
         let image = &self.plan.scene.image;
         let (x, y) = self.pixel_place(pixel);
-        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, index);
+        let (sx, sy) =
+            sampling::seeded_position(image.pattern, image.samples, [x, y], index, image.seed);
         let step = f64::from(sampling::SUBPIXEL);
         DVec2::new(
             f64::from(x) + f64::from(sx) / step,
