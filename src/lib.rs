@@ -20,6 +20,7 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod trace;
+pub mod trade;
 
 /// The README's program, compiled and run as a doc test.
 #[cfg(doctest)]

@@ -43,6 +43,24 @@ pub fn grid_shape(samples: u32) -> (u32, u32) {
 /// assert_eq!(position(Pattern::Grid, 4, 7, 9, 3), (192, 192));
 /// ```
 pub fn position(pattern: Pattern, samples: u32, x: u32, y: u32, index: u32) -> (u32, u32) {
+    seeded_position(pattern, samples, [x, y], index, 0)
+}
+
+/// [`position`] with another seed of the jitter: places that have nothing to do with those of another seed. A grid has none.
+///
+/// ```
+/// use rastray::sampling::{Pattern, position, seeded_position};
+/// let at = |seed| seeded_position(Pattern::Jitter, 1, [7, 9], 0, seed);
+/// assert_eq!(at(0), position(Pattern::Jitter, 1, 7, 9, 0));
+/// assert_ne!(at(0), at(1));
+/// ```
+pub fn seeded_position(
+    pattern: Pattern,
+    samples: u32,
+    [x, y]: [u32; 2],
+    index: u32,
+    seed: u32,
+) -> (u32, u32) {
     let (columns, rows) = grid_shape(samples);
     let cell = |i: u32, n: u32| (i * SUBPIXEL / n, (i + 1) * SUBPIXEL / n);
     let (left, right) = cell(index % columns, columns);
@@ -50,7 +68,7 @@ pub fn position(pattern: Pattern, samples: u32, x: u32, y: u32, index: u32) -> (
     match pattern {
         Pattern::Grid => (u32::midpoint(left, right), u32::midpoint(top, bottom)),
         Pattern::Jitter => {
-            let h = hash(x, y, index);
+            let h = hash(x, y, index, seed);
             let pick = |low: u32, high: u32, bits: u32| {
                 let span = u64::from((high - low).max(1));
                 (low + ((u64::from(bits) * span) >> 32) as u32).min(SUBPIXEL - 1)
@@ -68,13 +86,15 @@ pub fn resolve<R: Real>(sum: [f64; 3], samples: u32) -> [R; 3] {
     sum.map(|x| R::from_f64(x / f64::from(samples)))
 }
 
-/// A 64-bit hash of pixel and sample index (the finaliser of SplitMix64, Steele et al. 2014).
-fn hash(x: u32, y: u32, index: u32) -> u64 {
+/// A 64-bit hash of pixel, sample index and seed (the finaliser of SplitMix64, Steele et al. 2014).
+fn hash(x: u32, y: u32, index: u32, seed: u32) -> u64 {
     let mut z = (u64::from(x) << 32 | u64::from(y)).wrapping_add(
         u64::from(index)
             .wrapping_add(1)
             .wrapping_mul(0x9e37_79b9_7f4a_7c15),
     );
+    // An odd factor spreads the seed over all bits; seed 0 changes none.
+    z ^= u64::from(seed).wrapping_mul(0xd1b5_4a32_d192_ed03);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

@@ -1,98 +1,23 @@
-//! `Requirements` against the 16 abstract scenes of `tests/reference/requirements.json` (computed for this project;
-//! format: the `requirements.json` section of the numerics readme, restated by the fields read below).
+//! `Requirements`: the lists of 16 abstract scenes (`tests/reference/requirements.json`, computed for this project), what
+//! a list may depend on, and that plans follow it: nothing needed is left out, nothing left out was needed.
+//!
+//! The scenes that others wrote, where the optional shared folder is present (minutes):
+//! `cargo test --release --test requirements -- --ignored --nocapture`
+
+#[path = "common/descriptor.rs"]
+mod descriptor;
+#[path = "requirements/necessity.rs"]
+mod necessity;
+#[path = "requirements/plans.rs"]
+mod plans;
+#[path = "requirements/properties.rs"]
+mod properties;
 
 use rastray::gl;
 use rastray::math::DAffine3;
 use rastray::scene::requirements::{Feature, Mode, Requirements};
-use rastray::scene::{Cull, Geometry, Light, LightSpace, Material, Object, Optics, Scene, Shape};
+use rastray::scene::{Geometry, Light, LightSpace, Material, Object, Optics, Scene};
 use serde_json::Value;
-
-fn rgb(v: &Value) -> [f64; 3] {
-    [0, 1, 2].map(|i| v[i].as_f64().expect("a colour component"))
-}
-
-fn number(v: &Value, key: &str) -> f64 {
-    v[key].as_f64().unwrap_or_else(|| panic!("{key} in {v}"))
-}
-
-fn flag(v: &Value, key: &str) -> bool {
-    v[key].as_bool().unwrap_or_else(|| panic!("{key} in {v}"))
-}
-
-fn material(v: &Value, back: bool) -> Material {
-    let front = gl::Material {
-        emission: rgb(&v["emission"]),
-        ambient: rgb(&v["ambient"]),
-        diffuse: rgb(&v["diffuse"]),
-        specular: rgb(&v["specular"]),
-        shininess: number(v, "shininess"),
-        ..gl::Material::default()
-    };
-    let optics = Optics {
-        reflection: [number(v, "mirror"); 3],
-        transmission: [number(v, "transmit"); 3],
-        ior: number(v, "ior"),
-        ..Optics::default()
-    };
-    Material {
-        name: "m".into(),
-        back: back.then(|| front.clone()),
-        front,
-        optics,
-    }
-}
-
-fn light(v: &Value) -> Light {
-    let p = &v["pos"];
-    let source = gl::LightSource {
-        position: [0, 1, 2, 3].map(|i| p[i].as_f64().expect("a coordinate")),
-        ambient: rgb(&v["ambient"]),
-        diffuse: rgb(&v["diffuse"]),
-        specular: rgb(&v["specular"]),
-        attenuation: [number(v, "kc"), number(v, "kl"), number(v, "kq")],
-        spot_cutoff_deg: number(v, "spot_cutoff"),
-        spot_exponent: number(v, "spot_exp"),
-        ..gl::LightSource::default()
-    };
-    Light {
-        name: "l".into(),
-        source,
-        space: LightSpace::World,
-        enabled: flag(v, "on"),
-    }
-}
-
-fn scene(v: &Value) -> Scene {
-    let list = |key: &str| v[key].as_array().expect(key).clone();
-    let mut scene = Scene::default();
-    scene.light_model.ambient = rgb(&v["scene_ambient"]);
-    scene.light_model.local_viewer = flag(v, "local_viewer");
-    scene.light_model.two_sided = flag(v, "two_side");
-    scene.light_model.normalize = flag(v, "normalize");
-    scene.raster.cull = if flag(v, "cull_back") {
-        Cull::Back
-    } else {
-        Cull::None
-    };
-    scene.trace.depth = number(v, "max_depth") as u32;
-    scene.lights = list("lights").iter().map(light).collect();
-    for m in list("materials") {
-        if flag(&m, "used") {
-            scene.objects.push(Object {
-                name: "o".into(),
-                geometry: Geometry::Shape(Shape::Sphere {
-                    center: Default::default(),
-                    radius: 1.0,
-                }),
-                materials: vec![scene.materials.len()],
-                world_from_object: DAffine3::IDENTITY,
-                tessellation: None,
-            });
-        }
-        scene.materials.push(material(&m, flag(v, "back_material")));
-    }
-    scene
-}
 
 #[test]
 fn the_sixteen_descriptors() {
@@ -100,32 +25,12 @@ fn the_sixteen_descriptors() {
     let scenes: Vec<Value> = serde_json::from_str(text).expect("reference data");
     assert_eq!(scenes.len(), 16);
     for v in &scenes {
-        let mode = if v["mode"] == "trace" {
-            Mode::Trace
-        } else {
-            Mode::Raster
-        };
-        let requirements = Requirements::of(&scene(v), mode);
-        // Three facts of the descriptors have no place in a scene file: lighting is always on, shadows are a render
-        // option, and normals are never known to be exactly unit length after the rotation to eye space.
-        assert!(
-            flag(v, "lighting"),
-            "{}: lighting off is not a scene",
-            v["name"]
-        );
-        let found: Vec<&str> = requirements
-            .iter()
-            .map(|(feature, _)| feature)
-            .filter(|f| *f != Feature::ShadowRays || flag(v, "shadows"))
-            .filter(|f| *f != Feature::Normalize || !flag(v, "normals_unit"))
-            .map(Feature::name)
-            .collect();
+        let found = descriptor::required(v).expect("a descriptor");
         let wanted: Vec<&str> = v["required"]
             .as_array()
             .expect("required")
             .iter()
             .filter_map(Value::as_str)
-            .filter(|name| *name != "texture")
             .collect();
         assert_eq!(found, wanted, "{}", v["name"]);
     }

@@ -1,14 +1,12 @@
-//! The small commands: inspect, scenes, schema, completions.
+//! The small commands: scenes, schema, completions; and what all commands print and load with.
 
 use std::io::Write;
 
-use rastray::error::{Error, Note};
+use rastray::error::Error;
 use rastray::import::{self, Shipped};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::{Feature, Mode, Requirements};
 use serde_json::json;
 
-use super::args::{CompletionsArgs, InspectArgs, SceneArgs, ScenesArgs};
+use super::args::{CompletionsArgs, SceneArgs, ScenesArgs};
 use super::diagnostic;
 use super::options::Verbosity;
 
@@ -96,67 +94,6 @@ pub(super) fn completions(args: &CompletionsArgs, mut command: clap::Command) ->
 
 pub(crate) fn schema() -> Result<(), Error> {
     print(&import::schema())
-}
-
-pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
-    let imported = load(&args.scene, &[], Verbosity::Quiet)?;
-    let scene = &imported.scene;
-    let triangles = Assembly::<f32>::new(scene, None)?.triangles.len();
-    let needs = Requirements::of(scene, Mode::Trace);
-    let features: Vec<(&str, &str)> = needs.iter().map(|(f, why)| (f.name(), why)).collect();
-    if args.json {
-        let why: serde_json::Map<String, serde_json::Value> = features
-            .iter()
-            .map(|(name, why)| ((*name).to_owned(), json!(why)))
-            .collect();
-        return print_json(&json!({
-            "triangles": triangles,
-            "objects": scene.objects.len(),
-            "lights": scene.lights.len(),
-            "materials": scene.materials.len(),
-            "features": features.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
-            "why": why,
-            "notes": imported.notes.iter().map(Note::to_string).collect::<Vec<_>>(),
-        }));
-    }
-    let mut text = format!("{}\n\n", imported.source);
-    let plural = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
-    text += &format!(
-        "  {}, {}, {}, {} at the default tessellation\n",
-        plural(scene.objects.len(), "object"),
-        plural(scene.lights.len(), "light"),
-        plural(scene.materials.len(), "material"),
-        plural(triangles, "triangle"),
-    );
-    text += "\nRequires\n";
-    text += &table(&features);
-    let absent: Vec<&str> = Feature::NAMES
-        .iter()
-        .filter(|(_, f)| !needs.has(*f))
-        .map(|(name, _)| *name)
-        .collect();
-    text += &format!(
-        "\nDoes without\n  {}\n",
-        if absent.is_empty() {
-            "nothing".into()
-        } else {
-            absent.join(", ")
-        }
-    );
-    if !imported.notes.is_empty() {
-        text += "\nNotes\n";
-        for note in &imported.notes {
-            text += &format!("  {note}\n");
-        }
-    }
-    print(&text)
-}
-
-fn table(rows: &[(&str, &str)]) -> String {
-    let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    rows.iter()
-        .map(|(name, why)| format!("  {name:width$}  {why}\n"))
-        .collect()
 }
 
 #[cfg(test)]

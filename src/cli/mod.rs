@@ -7,6 +7,7 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+mod inspect;
 mod lecture;
 #[cfg(feature = "opengl")]
 mod opengl;
@@ -19,6 +20,7 @@ mod render;
 mod series;
 mod sheet;
 mod show;
+mod trade;
 mod watch;
 
 use std::process::ExitCode;
@@ -67,6 +69,9 @@ enum Command {
     /// Render with both renderers and explain every difference, into a folder
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Measure what each knob costs and buys on a scene: speed against accuracy, into a folder
+    #[command(after_long_help = trade::EXAMPLES)]
+    Trade(trade::TradeArgs),
     /// Say what a scene contains and which features of the model it requires
     #[command(after_long_help = INSPECT_EXAMPLES)]
     Inspect(InspectArgs),
@@ -147,7 +152,8 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
-        Command::Inspect(args) => commands::inspect(args).map(done),
+        Command::Trade(args) => trade::trade(args, verbosity).map(done),
+        Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),
             None => commands::scenes(args).map(done),

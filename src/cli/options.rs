@@ -132,7 +132,8 @@ pub(super) fn view(args: &QualityArgs) -> View {
     if args.srgb { View::Srgb } else { View::Linear }
 }
 
-fn parse_size(text: &str) -> Result<(u32, u32), Error> {
+/// The width and height that `--size` asks for.
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), Error> {
     let wrong = || {
         let message = format!("{text}: expected WIDTHxHEIGHT, each 1 to {MAX_SIDE}");
         Error::parameter("--size", message).with_help("for example --size 640x480")

@@ -197,6 +197,7 @@ pub(crate) const IMAGE: &[KeyInfo] = &[
     key("background", Kind::Color, "0", "Colour where nothing is hit; unlit"),
     key("samples", Kind::Integer(1, MAX_SAMPLES), "1", "Samples a pixel"),
     key("pattern", Kind::Choice(|| names(Pattern::NAMES)), "\"grid\"", "How the samples of a pixel are spread"),
+    key("seed", Kind::Integer(0, u32::MAX), "0", "Other places for the jitter"),
 ];
 
 /// `[camera]`.

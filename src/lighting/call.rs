@@ -96,17 +96,21 @@ impl<R: Real> Call<'_, '_, R> {
         let chunk = chunk_of(self.points, &(start..end));
         let n = (end - start) as u64;
         self.constants(start, end);
-        for (index, light) in self.rig.lights.iter().enumerate() {
+        let rig = self.rig;
+        for (index, (light, live)) in rig.lights.iter().zip(&rig.live).enumerate() {
+            if !live {
+                continue;
+            }
             let products = self.products(light, !chunk.normal_length.is_empty(), start..end);
             if products.has.none() {
                 continue;
             }
-            counters.point_lights += n;
+            counters.light_evaluations += n;
             // Part one.
-            if needs_direction(light, products.has) {
+            let reachable = rig.switches.light_vector || !is_positional(light);
+            if reachable && needs_direction(light, products.has) {
                 parts::illuminate::<L>(light, &chunk, self.scratch);
-                counters.light_vector_roots += n * u64::from(is_positional(light));
-                counters.pow_calls += n * u64::from(spot_needs_power(light));
+                counters.count_light(light, n);
             } else {
                 self.scratch.factor.fill(R::ONE);
                 self.scratch.n_dot_l.fill(R::ZERO);
@@ -115,8 +119,7 @@ impl<R: Real> Call<'_, '_, R> {
             let asked = products.has.shaded() && self.query(index);
             counters.visibility_queries += u64::from(asked);
             // Part two.
-            let power = products.has.specular && matches!(products.power, Power::Other(_));
-            counters.pow_calls += n * u64::from(power);
+            self.count_highlights(&products, counters);
             if products.has.shaded() {
                 parts::weigh::<L>(&products, &chunk, self.scratch);
             } else {
@@ -178,18 +181,33 @@ impl<R: Real> Call<'_, '_, R> {
         if self.material.tracked.any() {
             largest = largest.max(self.tracked_products(colors, &all, &mut has, range));
         }
-        let power = Power::new(self.material.shininess);
+        let power = self.rig.switches.power(self.material.shininess);
         let negative_power = matches!(power, Power::Other(s) if s < R::ZERO);
         let may_overflow = largest * light.largest_factor() > R::MAX.to_f64() / 4.0;
         Products {
             ambient,
             diffuse,
             specular,
-            has,
+            has: self.rig.switches.terms(has),
             careful: may_overflow || negative_power || has_lengths,
             signed: self.signed,
             power,
             model: self.rig.model.specular_model,
+        }
+    }
+
+    /// Counts the highlights that the points facing a light ask for. Facing is known from part one, so this is one pass
+    /// over a list in the nearest cache, made only where there are highlights.
+    #[inline(always)]
+    fn count_highlights(&self, products: &Products<R>, counters: &mut Counters) {
+        if !products.has.specular || products.power == Power::Zero {
+            return;
+        }
+        let n_dot_l = self.scratch.n_dot_l.iter();
+        let facing: u32 = n_dot_l.map(|x| u32::from(*x > R::ZERO)).sum();
+        counters.half_vectors += u64::from(facing);
+        if products.power != Power::One {
+            counters.pow_calls += u64::from(facing);
         }
     }
 
@@ -301,12 +319,23 @@ impl Has {
     }
 }
 
-fn is_positional<R>(light: &Light<R>) -> bool {
-    !matches!(light, Light::Directional(_))
+impl Counters {
+    /// Part one ran for a light and `n` points.
+    fn count_light<R>(&mut self, light: &Light<R>, n: u64) {
+        let (point, spot) = match light {
+            Light::Directional(_) => return,
+            Light::Point(point) => (point, None),
+            Light::Spot(spot) => (&spot.point, Some(&spot.power)),
+        };
+        self.light_vector_roots += n;
+        self.attenuations += n * u64::from(point.attenuated);
+        self.spot_tests += n * u64::from(spot.is_some());
+        self.spot_pow_calls += n * u64::from(matches!(spot, Some(Power::Other(_))));
+    }
 }
 
-fn spot_needs_power<R>(light: &Light<R>) -> bool {
-    matches!(light, Light::Spot(spot) if matches!(spot.power, Power::Other(_)))
+fn is_positional<R>(light: &Light<R>) -> bool {
+    !matches!(light, Light::Directional(_))
 }
 
 /// Whether part one has anything to say: not where the light has only an ambient term that nothing scales.

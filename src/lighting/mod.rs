@@ -46,54 +46,25 @@ mod call;
 mod cone;
 mod light;
 mod parts;
+mod rig;
 mod scratch;
 mod tracked;
 mod vector;
 
 use std::ops::AddAssign;
 
+use serde::Serialize;
+
 pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
+pub use rig::Rig;
 
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::math::float::normalize;
 use call::{Call, Entry};
 use scratch::with_scratch;
-
-/// Lights resolved for one frame, in eye space.
-///
-/// ```
-/// use rastray::{gl, lighting::Rig};
-/// let rig = Rig::<f32>::new(&[gl::LightSource::default()], &gl::LightModel::default());
-/// assert_eq!(rig.light_count(), 1);
-/// ```
-#[derive(Clone, Debug)]
-pub struct Rig<R> {
-    lights: Vec<Light<R>>,
-    model: gl::LightModel,
-}
-
-impl<R: Real> Rig<R> {
-    /// Resolves eye-space light sources (the enabled ones, in file order) under a light model.
-    pub fn new(lights_eye: &[gl::LightSource], model: &gl::LightModel) -> Self {
-        Self {
-            lights: lights_eye.iter().map(Light::resolve).collect(),
-            model: model.clone(),
-        }
-    }
-
-    /// How many lights.
-    pub fn light_count(&self) -> usize {
-        self.lights.len()
-    }
-
-    /// The resolved lights, in order.
-    pub fn lights(&self) -> &[Light<R>] {
-        &self.lights
-    }
-}
 
 /// Points to be lit side by side, eye space, structure of arrays.
 ///
@@ -232,7 +203,11 @@ pub enum Sink<'a, R> {
     Split(&'a mut [Vec<R>; 3], &'a mut [Vec<R>; 3]),
 }
 
-/// What a call did: exact counts, the same at every instruction set.
+/// What calls did: exact counts, the same at every instruction set, so in units of points, not of vectors. A point counts
+/// where its value is asked for; lanes beside it that compute the same and throw it away do not.
+///
+/// Each count is the points of the variant that ran, taken outside the loops over lanes. Highlights are asked for by the
+/// points that the light faces (f_i = 1); everything else by all points.
 ///
 /// ```
 /// use rastray::lighting::Counters;
@@ -240,26 +215,38 @@ pub enum Sink<'a, R> {
 /// total += Counters { points: 2, pow_calls: 2, ..Counters::default() };
 /// assert_eq!((total.points, total.pow_calls), (5, 2));
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     /// Points shaded.
     pub points: u64,
     /// Points times lights that have some term on the material.
-    pub point_lights: u64,
-    /// Points times lights whose direction was computed from a position (a square root each).
+    pub light_evaluations: u64,
+    /// Points times lights whose direction was computed from a position: a square root, and a vector made unit.
     pub light_vector_roots: u64,
-    /// Points times lights whose highlight or spot falloff needed a power (exponents other than 0 and 1).
+    /// Points times lights whose attenuation was computed: a division.
+    pub attenuations: u64,
+    /// Points times lights whose cone was tested.
+    pub spot_tests: u64,
+    /// Highlights that needed the half vector or the reflected direction (exponent not 0).
+    pub half_vectors: u64,
+    /// Highlights that needed a power (shininess other than 0 and 1).
     pub pow_calls: u64,
-    /// Times that visibility was asked for.
+    /// Points times lights whose falloff inside the cone needed a power (exponents other than 0 and 1).
+    pub spot_pow_calls: u64,
+    /// Times that visibility was asked for: once a light and call.
     pub visibility_queries: u64,
 }
 
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         self.points += other.points;
-        self.point_lights += other.point_lights;
+        self.light_evaluations += other.light_evaluations;
         self.light_vector_roots += other.light_vector_roots;
+        self.attenuations += other.attenuations;
+        self.spot_tests += other.spot_tests;
+        self.half_vectors += other.half_vectors;
         self.pow_calls += other.pow_calls;
+        self.spot_pow_calls += other.spot_pow_calls;
         self.visibility_queries += other.visibility_queries;
     }
 }
@@ -296,10 +283,12 @@ pub fn shade<R: Real>(
     signed: bool,
     sink: Sink<'_, R>,
 ) -> Counters {
+    let mut material = rig.switches.material(material);
     // Without colours of their own, all points have GL's current colour.
-    let white = (material.tracked.any() && points.color[0].is_empty())
-        .then(|| material.with_color(gl::CURRENT_COLOR));
-    let material = white.as_ref().unwrap_or(material);
+    if material.tracked.any() && points.color[0].is_empty() {
+        material = material.with_color(gl::CURRENT_COLOR);
+    }
+    let material = &material;
     with_scratch(|scratch| {
         let call = Call {
             rig,

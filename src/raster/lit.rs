@@ -5,7 +5,7 @@ use super::{Options, Plan};
 use crate::frame::{LayerIndex, sum_in_order};
 use crate::gl::{ColorControl, ShadeModel};
 use crate::lanes::Real;
-use crate::lighting::{Batch, Sink, shade};
+use crate::lighting::{Batch, Counters, Sink, shade};
 use crate::math::color::clamp_rgb;
 
 /// What of the options and the scene decides how points are lit.
@@ -84,19 +84,21 @@ impl<R: Real> Lit<R> {
         }
     }
 
-    /// Evaluates the equation at the points of a batch; each point's tag is its number here.
+    /// Evaluates the equation at the points of a batch; each point's tag is its number here. Layers beside GL's two clamped
+    /// colours take two evaluations, and both are counted.
     pub(super) fn light(
         &mut self,
         pass: &Pass<'_, '_, R>,
         batch: &Batch<R>,
         output: &mut Output<R>,
-    ) {
+    ) -> Counters {
         let mode = pass.mode;
+        let mut counters = Counters::default();
         let shown = |c: [R; 3]| if mode.clamp { clamp_rgb(c) } else { c };
         let at = |list: &[Vec<R>; 3], i: usize| [list[0][i], list[1][i], list[2][i]];
         let tags = || batch.tags.iter().map(|tag| *tag as usize).enumerate();
         if mode.layers.is_some() {
-            run(pass, batch, Sink::Record(&mut output.terms));
+            counters += run(pass, batch, Sink::Record(&mut output.terms));
             for (i, tag) in tags() {
                 let sum = sum_in_order(output.terms.iter().map(|t| at(t, i)), mode.signed);
                 for (layer, t) in self.layers.iter_mut().zip(&output.terms) {
@@ -110,21 +112,22 @@ impl<R: Real> Lit<R> {
         }
         if mode.split {
             let sink = Sink::Split(&mut output.primary, &mut output.secondary);
-            run(pass, batch, sink);
+            counters += run(pass, batch, sink);
             for (i, tag) in tags() {
                 self.color[tag] = shown(at(&output.primary, i));
                 self.secondary[tag] = shown(at(&output.secondary, i));
             }
         } else if mode.layers.is_none() {
-            run(pass, batch, Sink::Sum(&mut output.primary));
+            counters += run(pass, batch, Sink::Sum(&mut output.primary));
             for (i, tag) in tags() {
                 self.color[tag] = shown(at(&output.primary, i));
             }
         }
+        counters
     }
 }
 
-fn run<R: Real>(pass: &Pass<'_, '_, R>, batch: &Batch<R>, sink: Sink<'_, R>) {
+fn run<R: Real>(pass: &Pass<'_, '_, R>, batch: &Batch<R>, sink: Sink<'_, R>) -> Counters {
     let Pass { plan, mode, .. } = pass;
     let (isa, material) = (pass.options.isa, plan.material(batch.surface));
     shade(
@@ -135,5 +138,5 @@ fn run<R: Real>(pass: &Pass<'_, '_, R>, batch: &Batch<R>, sink: Sink<'_, R>) {
         None,
         mode.signed,
         sink,
-    );
+    )
 }

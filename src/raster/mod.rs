@@ -52,8 +52,7 @@ use crate::error::Error;
 use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
-use crate::lighting::Rig;
-use crate::math::float::normalize;
+use crate::lighting::{self, Rig};
 use crate::sampling::{self, Pattern};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
@@ -105,12 +104,18 @@ pub struct Counters {
     pub fragments_passed: u64,
     /// Evaluations of the equation, vertices included.
     pub points_shaded: u64,
+    /// Unit vectors made for them: interpolated normals, and directions to a local viewer.
+    pub normalizations: u64,
+    /// What the equation did.
+    pub lighting: lighting::Counters,
 }
 
 impl Counters {
     /// Both together.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
+        let mut lighting = self.lighting;
+        lighting += other.lighting;
         Self {
             vertices_shaded: self.vertices_shaded + other.vertices_shaded,
             triangles_in: self.triangles_in + other.triangles_in,
@@ -123,6 +128,8 @@ impl Counters {
             fragments_covered: self.fragments_covered + other.fragments_covered,
             fragments_passed: self.fragments_passed + other.fragments_passed,
             points_shaded: self.points_shaded + other.points_shaded,
+            normalizations: self.normalizations + other.normalizations,
+            lighting,
         }
     }
 }
@@ -134,6 +141,10 @@ pub struct Plan<'a, R> {
     rig: Rig<R>,
     /// Back faces are lit apart: asked for by the light model, and seen in some product.
     two_sided: bool,
+    /// Some term looks at normals.
+    normals: bool,
+    /// Some highlight looks at the direction to a local viewer.
+    viewers: bool,
     view: View,
     grid: TileGrid,
     chunks: Vec<Chunk>,
@@ -144,6 +155,16 @@ pub struct Plan<'a, R> {
 impl<'a, R: Real> Plan<'a, R> {
     /// Projects, clips, culls and bins the triangles of an assembly of this scene.
     pub fn new(scene: &'a Scene, assembly: &'a Assembly<R>, model: Model) -> Self {
+        let needs = Requirements::plan(scene, requirements::Mode::Raster, model);
+        Self::with_requirements(scene, assembly, &needs)
+    }
+
+    /// [`Plan::new`] with requirements of the caller's: what they lack is not evaluated.
+    pub fn with_requirements(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        needs: &Requirements,
+    ) -> Self {
         let size = [scene.image.width, scene.image.height];
         let (camera, raster) = (&scene.camera, &scene.raster);
         let view = View::new(camera, size, raster.snap, raster.front_face);
@@ -156,12 +177,14 @@ impl<'a, R: Real> Plan<'a, R> {
             },
             origin: [0; 2],
         };
-        let needs = Requirements::plan(scene, requirements::Mode::Raster, model);
+        let light_model = &scene.light_model;
         let mut plan = Self {
             scene,
             assembly,
-            rig: Rig::new(&scene.lights_eye(), &scene.light_model),
-            two_sided: scene.light_model.two_sided && needs.has(Feature::TwoSide),
+            rig: Rig::planned(&scene.lights_eye(), light_model, needs),
+            two_sided: light_model.two_sided && needs.has(Feature::TwoSide),
+            normals: needs.has(Feature::Normal),
+            viewers: light_model.local_viewer && needs.has(Feature::ViewVector),
             view,
             grid,
             chunks: Vec::new(),
@@ -221,15 +244,6 @@ impl<'a, R: Real> Plan<'a, R> {
         [corner(a), corner(b), corner(c)]
     }
 
-    /// Unit vector to the viewer: towards the eye, or (0, 0, 1) for an infinite viewer (GL 2.1 section 2.14.1).
-    fn to_viewer(&self, position_eye: [R; 3]) -> [R; 3] {
-        if self.scene.light_model.local_viewer {
-            normalize(position_eye.map(|x| -x)).0
-        } else {
-            [R::ZERO, R::ZERO, R::ONE]
-        }
-    }
-
     /// The material of a surface number.
     fn material(&self, surface: usize) -> &gl::Material {
         let material = &self.scene.materials[surface / 2];
@@ -284,7 +298,8 @@ impl<'a, R: Real> Plan<'a, R> {
     /// The place of a sample in its pixel, in 1/256 px.
     fn sample_offset(&self, x: u32, y: u32, sample: u32) -> [i64; 2] {
         let image = &self.scene.image;
-        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, sample);
+        let (sx, sy) =
+            sampling::seeded_position(image.pattern, image.samples, [x, y], sample, image.seed);
         [i64::from(sx), i64::from(sy)]
     }
 

@@ -21,7 +21,7 @@ use super::{Counters, Options, Plan};
 use crate::frame::{LayerIndex, NONE};
 use crate::gl::ShadeModel;
 use crate::lanes::Real;
-use crate::lighting::{Batches, surface};
+use crate::lighting::{Batches, surface, to_viewer};
 use crate::math::color::clamp_rgb;
 use crate::math::float::normalize;
 
@@ -220,8 +220,11 @@ impl<R: Real> Workspace<R> {
         let (slot, new) = self.slots.number(vertex, surface as u32);
         if new {
             let position = plan.assembly.vertex_eye(vertex);
-            let normal = turned(plan.assembly.vertex_normal(vertex), surface);
-            let viewer = plan.to_viewer(position);
+            let mut normal = [R::ZERO; 3];
+            if plan.normals {
+                normal = turned(plan.assembly.vertex_normal(vertex), surface);
+            }
+            let viewer = to_viewer(position, plan.viewers);
             self.batches.push(surface, slot, position, normal, viewer);
             if let Some(color) = plan.assembly.vertex_color(vertex) {
                 self.push_color(plan, surface, color);
@@ -239,15 +242,18 @@ impl<R: Real> Workspace<R> {
         let (assembly, [a, b, c]) = (plan.assembly, seen.corners);
         let place = |v| assembly.vertex_eye(v);
         let position = mix3(weights, [place(a), place(b), place(c)]);
-        let normal = |v| assembly.vertex_normal_weighted(v);
-        let [p, q, r] = [normal(a), normal(b), normal(c)];
-        let raw = [
-            mix(weights, [p[0], q[0], r[0]]),
-            mix(weights, [p[1], q[1], r[1]]),
-            mix(weights, [p[2], q[2], r[2]]),
-        ];
-        let normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
-        let viewer = plan.to_viewer(position);
+        let mut normal = [R::ZERO; 3];
+        if plan.normals {
+            let at = |v| assembly.vertex_normal_weighted(v);
+            let [p, q, r] = [at(a), at(b), at(c)];
+            let raw = [
+                mix(weights, [p[0], q[0], r[0]]),
+                mix(weights, [p[1], q[1], r[1]]),
+                mix(weights, [p[2], q[2], r[2]]),
+            ];
+            normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+        }
+        let viewer = to_viewer(position, plan.viewers);
         self.batches
             .push(seen.surface, tag, position, normal, viewer);
         if !assembly.color[0].is_empty() {
@@ -275,9 +281,11 @@ impl<R: Real> Workspace<R> {
         };
         self.lit.resize(mode, count);
         for batch in self.batches.iter() {
-            self.lit.light(pass, batch, &mut self.output);
+            counters.lighting += self.lit.light(pass, batch, &mut self.output);
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
+            let normals = pass.plan.normals && !per_vertex;
+            counters.normalizations += points * (u64::from(normals) + u64::from(pass.plan.viewers));
             if per_vertex {
                 counters.vertices_shaded += points;
             }

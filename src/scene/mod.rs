@@ -43,6 +43,8 @@ pub struct ImageSettings {
     pub samples: u32,
     /// How they are spread. Default grid.
     pub pattern: Pattern,
+    /// Seed of the jitter. Default 0.
+    pub seed: u32,
 }
 
 impl Default for ImageSettings {
@@ -54,6 +56,7 @@ impl Default for ImageSettings {
             background,
             samples: 1,
             pattern,
+            seed: 0,
         }
     }
 }

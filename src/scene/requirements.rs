@@ -82,6 +82,30 @@ impl Feature {
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize].0
     }
+
+    /// What a scene without this feature is spared.
+    pub fn saves(self) -> &'static str {
+        match self {
+            Self::Ambient => "the ambient term of the scene and of each light",
+            Self::Attenuation => "a division a point and light",
+            Self::Diffuse => "the diffuse term of each light",
+            Self::Emission => "a constant term",
+            Self::HalfVector => "half vectors and n.h, for each point that a light faces",
+            Self::LightVector => "a square root and a division a point and light",
+            Self::Normal => "the interpolation of normals, and n.l for each light",
+            Self::Normalize => "a square root a normal",
+            Self::Pow => "a logarithm and an exponential a highlight",
+            Self::ReflectionRays => "mirror rays, and all that they meet",
+            Self::RefractionRays => "transmitted rays, and all that they meet",
+            Self::ShadowRays => "a ray for each light that faces a hit",
+            Self::Specular => "highlights: half vectors and powers with them",
+            Self::Spot => "a cone test a point and light",
+            Self::SpotPow => "a logarithm and an exponential a point and light",
+            Self::Tir => "the bending of transmitted rays, and the test for total reflection",
+            Self::TwoSide => "turned normals, and a second material",
+            Self::ViewVector => "a square root and a division a point",
+        }
+    }
 }
 
 /// The renderer that the requirements are for.
@@ -109,6 +133,7 @@ pub struct Requirements {
     reasons: [Option<String>; Feature::NAMES.len()],
     /// Per enabled light: it shades or adds ambient to some used material. A dead light is skipped.
     pub live_lights: Vec<bool>,
+    full: bool,
 }
 
 impl Requirements {
@@ -138,10 +163,13 @@ impl Requirements {
                 .filter(|(_, u)| **u)
                 .map(|(m, _)| m)
         };
-        let two_sided = scene.light_model.two_sided && scene.raster.cull != Cull::Back;
+        // Rays meet back faces whatever the rasterizer culls.
+        let culled = mode == Mode::Raster && scene.raster.cull == Cull::Back;
+        let two_sided = scene.light_model.two_sided && !culled;
         let mut needs = Self {
             reasons: Default::default(),
             live_lights: Vec::new(),
+            full: false,
         };
         for material in materials() {
             needs.scene_terms(scene, material, two_sided);
@@ -169,7 +197,25 @@ impl Requirements {
         Self {
             reasons: std::array::from_fn(|_| Some("--model full".into())),
             live_lights: scene.enabled_lights().map(|_| true).collect(),
+            full: true,
         }
+    }
+
+    /// Whether this is [`Self::full`]: terms are evaluated even where their product is 0.
+    ///
+    /// What stays decided by the scene's flags: whether the viewer is local, normals are normalised, sides are lit apart, a
+    /// light has a cone; and x^0 = 1, x^1 = x, which are the model's own words. They are not savings.
+    pub fn is_full(&self) -> bool {
+        self.full
+    }
+
+    /// The same without one feature. A plan made of this draws a wrong picture wherever the feature was needed: so tests
+    /// show that nothing reported is superfluous.
+    #[must_use]
+    pub fn without(&self, feature: Feature) -> Self {
+        let mut less = self.clone();
+        less.reasons[feature as usize] = None;
+        less
     }
 
     /// Whether a feature is needed.
@@ -182,6 +228,13 @@ impl Requirements {
         Feature::NAMES
             .iter()
             .filter_map(|(_, f)| self.reasons[*f as usize].as_deref().map(|why| (*f, why)))
+    }
+
+    /// The features that are not needed, sorted by name, with what that saves.
+    pub fn absent(&self) -> impl Iterator<Item = (Feature, &'static str)> {
+        let features = Feature::NAMES.iter().map(|(_, feature)| *feature);
+        let absent = features.filter(|feature| !self.has(*feature));
+        absent.map(|feature| (feature, feature.saves()))
     }
 
     fn add(&mut self, feature: Feature, why: impl FnOnce() -> String) {

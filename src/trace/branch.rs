@@ -57,6 +57,8 @@ pub(super) struct Fork<'s> {
     pub(super) settings: &'s TraceSettings,
     /// Whether reflected, and refracted rays are asked for.
     pub(super) wanted: [bool; 2],
+    /// Whether any surface of the scene bends what it transmits.
+    pub(super) bends: bool,
 }
 
 /// What becomes of K_T at a surface.
@@ -147,7 +149,7 @@ impl Fork<'_> {
         }
         let crossing = media.cross(self.path.media, self.object, self.optics.ior);
         let (eta_i, eta_t) = (crossing.eta_i, crossing.eta_t);
-        if eta_i == eta_t {
+        if eta_i == eta_t || !self.bends {
             return straight(crossing.media);
         }
         let model = self.optics.fresnel;

@@ -71,7 +71,7 @@ use crate::error::Error;
 use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
-use crate::lighting::Rig;
+use crate::lighting::{self, Rig};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
@@ -169,6 +169,10 @@ pub struct Counters {
     pub primitive_tests: u64,
     /// Points that the lighting equation was asked for.
     pub shaded_points: u64,
+    /// Unit vectors made for them: shading normals, and directions to the viewer.
+    pub normalizations: u64,
+    /// What the equation did.
+    pub lighting: lighting::Counters,
     /// Inner nodes of the hierarchy.
     pub bvh_nodes: u64,
     /// Leaves of the hierarchy.
@@ -185,6 +189,8 @@ impl Counters {
         self.box_tests += other.box_tests;
         self.primitive_tests += other.primitive_tests;
         self.shaded_points += other.shaded_points;
+        self.normalizations += other.normalizations;
+        self.lighting += other.lighting;
     }
 
     fn add_work(&mut self, work: &Work) {
@@ -204,7 +210,6 @@ pub struct Plan<'a, R> {
     lamps: Vec<Lamp>,
     sources: Vec<gl::LightSource>,
     needs: Requirements,
-    model: Model,
     /// Some colour is negative: sums run in f64.
     signed: bool,
     build_seconds: f64,
@@ -221,6 +226,20 @@ impl<'a, R: Real> Plan<'a, R> {
         geometry: Geometry,
         model: Model,
     ) -> Result<Self, Error> {
+        let needs = Requirements::plan(scene, Mode::Trace, model);
+        Self::with_requirements(scene, assembly, geometry, needs)
+    }
+
+    /// [`Plan::new`] with requirements of the caller's: what they lack is not evaluated, and rays that they lack not cast.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn with_requirements(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        geometry: Geometry,
+        needs: Requirements,
+    ) -> Result<Self, Error> {
         let image = &scene.image;
         if image.width == 0 || image.height == 0 {
             let size = format!("{}x{} has no pixels", image.width, image.height);
@@ -230,15 +249,13 @@ impl<'a, R: Real> Plan<'a, R> {
         let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
         let build_seconds = start.elapsed().as_secs_f64();
         let sources = scene.lights_eye();
-        let needs = Requirements::plan(scene, Mode::Trace, model);
         Ok(Self {
             scene,
             surfaces,
-            rig: Rig::new(&sources, &scene.light_model),
+            rig: Rig::planned(&sources, &scene.light_model, &needs),
             lamps: lamps(scene),
             sources,
             needs,
-            model,
             signed: scene.has_negative_colors(),
             build_seconds,
         })

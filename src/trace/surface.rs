@@ -212,10 +212,21 @@ impl<'a, R: Real> Surfaces<'a, R> {
     /// What is at a hit. `eye_ray` is the same ray in eye space where it is a primary one: a triangle's weights are then
     /// taken from the eye-space numbers that the rasterizer uses, too.
     pub fn site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+        self.site_with(ray, hit, eye_ray, true)
+    }
+
+    /// [`Self::site`], its shading normal zero where nothing asks for it.
+    pub(super) fn site_with(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        eye_ray: Option<(DVec3, DVec3)>,
+        normal: bool,
+    ) -> Site<R> {
         if hit.item & SOLID == 0 {
-            self.triangle_site(ray, hit, eye_ray)
+            self.triangle_site(ray, hit, eye_ray, normal)
         } else {
-            self.solid_site(ray, hit)
+            self.solid_site(ray, hit, normal)
         }
     }
 
@@ -329,7 +340,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         materials[tile as usize % materials.len()] as u32
     }
 
-    fn solid_site(&self, ray: &Ray, hit: &Hit) -> Site<R> {
+    fn solid_site(&self, ray: &Ray, hit: &Hit, normal: bool) -> Site<R> {
         let solid = self.solid(hit.item);
         let (foot, tile) = solid.foot(ray, hit);
         let eye = self.rotation * (foot.point - self.eye);
@@ -344,7 +355,11 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Site {
             foot,
             position_eye: eye.to_array().map(R::from_f64),
-            normal_eye: unit(self.rotation * foot.normal).to_array(),
+            normal_eye: if normal {
+                unit(self.rotation * foot.normal).to_array()
+            } else {
+                [0.0; 3]
+            },
             color: (!self.assembly.color[0].is_empty()).then_some([R::ONE; 3]),
             object: solid.object,
             material: self.solid_material(solid, tile),
@@ -353,7 +368,13 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
     }
 
-    fn triangle_site(&self, ray: &Ray, hit: &Hit, eye_ray: Option<(DVec3, DVec3)>) -> Site<R> {
+    fn triangle_site(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        eye_ray: Option<(DVec3, DVec3)>,
+        with_normal: bool,
+    ) -> Site<R> {
         let a = self.assembly;
         let triangle = a.triangles[hit.item as usize];
         let (world, error) = self.corners_world(hit.item);
@@ -383,7 +404,11 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Site {
             foot,
             position_eye: blend(eye).map(R::from_f64),
-            normal_eye: unit(DVec3::from_array(blend(normals))).to_array(),
+            normal_eye: if with_normal {
+                unit(DVec3::from_array(blend(normals))).to_array()
+            } else {
+                [0.0; 3]
+            },
             color: a.vertex_color(triangle[0]).map(|first| {
                 let corner = |v: u32| a.vertex_color(v).unwrap_or(first);
                 blend(triangle.map(corner).map(|c| c.map(Real::to_f64))).map(R::from_f64)

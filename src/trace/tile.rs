@@ -21,7 +21,7 @@ use crate::lanes::Real;
 use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
 use crate::math::{DMat3, DVec2, DVec3};
 use crate::sampling;
-use crate::scene::requirements::{Feature, Model};
+use crate::scene::requirements::Feature;
 
 /// A wave longer than this is cut between pixels.
 const WAVE: usize = 1 << 14;
@@ -167,7 +167,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     fn sample_place(&self, pixel: u32, index: u32) -> DVec2 {
         let image = &self.plan.scene.image;
         let (x, y) = self.pixel_place(pixel);
-        let (sx, sy) = sampling::position(image.pattern, image.samples, x, y, index);
+        let (sx, sy) =
+            sampling::seeded_position(image.pattern, image.samples, [x, y], index, image.seed);
         let step = f64::from(sampling::SUBPIXEL);
         DVec2::new(
             f64::from(x) + f64::from(sx) / step,
@@ -212,7 +213,10 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
         let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
-        let site = surfaces.site(&path.ray, &hit, eye_ray);
+        // Without shading and without secondary rays nothing asks for the shading normal.
+        let normal = self.plan.needs.has(Feature::Normal) || self.wanted().contains(&true);
+        let site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
+        self.counters.normalizations += u64::from(normal);
         if primary && index == 0 {
             let pixel = path.pixel as usize;
             self.out.depth[pixel] = -site.position_eye[2];
@@ -225,23 +229,34 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
 
     /// Enters a hit for shading: which side faces the ray, and where the viewer is.
     fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
-        let model = &self.plan.scene.light_model;
+        let (model, needs) = (&self.plan.scene.light_model, &self.plan.needs);
         let arriving = self.rotation * path.ray.direction;
         // Facing: the rule of the light model in air, towards the ray inside a medium.
         let front = DVec3::from_array(site.normal_eye);
-        let back = model.two_sided && site.back;
+        let back = model.two_sided && needs.has(Feature::TwoSide) && site.back;
         let flip = if path.media == AIR {
             back
         } else {
             arriving.dot(front) > 0.0
         };
-        let normal = if flip { -front } else { front };
-        // A viewer at infinity is GL's for the picture; a secondary ray is looked back along.
-        let viewer = match path.branch {
-            Branch::Primary if !model.local_viewer => DVec3::Z,
-            Branch::Primary => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
-            _ => unit(-arriving),
+        let normal = match (needs.has(Feature::Normal), flip) {
+            (false, _) => DVec3::ZERO,
+            (true, true) => -front,
+            (true, false) => front,
         };
+        // A viewer at infinity is GL's for the picture; a secondary ray is looked back along, where a highlight asks.
+        let primary = path.branch == Branch::Primary;
+        let looks_back = if primary {
+            model.local_viewer && needs.has(Feature::ViewVector)
+        } else {
+            needs.has(Feature::HalfVector)
+        };
+        let viewer = match (looks_back, primary) {
+            (false, _) => DVec3::Z,
+            (true, true) => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
+            (true, false) => unit(-arriving),
+        };
+        self.counters.normalizations += u64::from(looks_back);
         let real = |v: DVec3| v.to_array().map(R::from_f64);
         let surface = surface(site.material as usize, back);
         let (normal, viewer) = (real(normal), real(viewer));
@@ -330,7 +345,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lamps: &plan.lamps,
             sources: &plan.sources,
             material: white.as_ref().unwrap_or(material),
-            ask_all: plan.model == Model::Full,
+            ask_all: plan.needs.is_full(),
             sites,
             tags: &batch.tags,
             walker: &mut self.walker,
@@ -346,7 +361,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         } else {
             Sink::Sum(&mut sum)
         };
-        shade(
+        let counted = shade(
             isa,
             rig,
             material,
@@ -355,6 +370,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.signed,
             sink,
         );
+        self.counters.lighting += counted;
         if record { terms } else { vec![sum] }
     }
 
@@ -382,6 +398,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             optics,
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
+            bends: self.plan.needs.has(Feature::Tir),
         };
         let [reflection, refraction] = fork.branches(&mut self.media);
         self.counters.rays.reflection += u64::from(reflection.is_some());

@@ -55,6 +55,9 @@ impl<'a> Reader<'a> {
         if let Some(pattern) = section.choice("pattern", Pattern::NAMES)? {
             image.pattern = pattern;
         }
+        if let Some(seed) = section.integer("seed")? {
+            image.seed = seed;
+        }
         let pixels = u64::from(image.width) * u64::from(image.height);
         if pixels > MAX_PIXELS {
             let message = format!(

@@ -1,0 +1,130 @@
+//! What settings are measured against: the exact shapes, in f64, lit per pixel, followed until nothing is left to see.
+//!
+//! | truth | light | places | judges |
+//! | - | - | - | - |
+//! | [`Truth::Full`] | Whitted's | pixel centres | every setting: what is wrong with its pixels |
+//! | [`Truth::Local`] | the rasterizer's terms | pixel centres | shading and tessellation, which missing shadows would drown |
+//! | [`Truth::Mesh`] | the same, on the triangles of a level | pixel centres | the sub-pixel grid, which the chords would drown |
+//! | [`Truth::Ideal`] | Whitted's | many jittered samples | samples: what is wrong with its edges |
+//!
+//! Secondary rays go on until their weight is below [`LEAST_WEIGHT`] in every channel.
+
+use super::draw::{Drawn, Job};
+use super::setting::{Precision, Renderer, Setting, covered};
+use crate::error::Error;
+use crate::frame::Plane;
+use crate::lanes::Isa;
+use crate::sampling::Pattern;
+use crate::scene::{Scene, Snap};
+use crate::trace;
+
+/// Branches of less weight are not followed.
+pub const LEAST_WEIGHT: f64 = 1e-7;
+
+/// Generations that are followed at most: a mirror of weight 0.88 is below [`LEAST_WEIGHT`] by then.
+const MOST_DEPTH: u32 = 128;
+
+/// Samples of the ideal picture where nobody says.
+pub const IDEAL_SAMPLES: u32 = 256;
+
+/// Which truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// Whitted's picture at pixel centres.
+    Full,
+    /// The rasterizer's terms on the exact shapes, at pixel centres.
+    Local,
+    /// The rasterizer's terms on the triangles of a level, at pixel centres.
+    Mesh(u32),
+    /// Whitted's picture as the mean of this many jittered samples.
+    Ideal(u32),
+}
+
+/// A truth that was drawn.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Linear colours before any clamp.
+    pub color: Plane<[f64; 3]>,
+    /// The object seen at each pixel's first sample.
+    pub object: Plane<u32>,
+    /// Generations of secondary rays that were followed.
+    pub depth: u32,
+}
+
+impl Truth {
+    /// What reports call it.
+    pub fn name(self) -> String {
+        match self {
+            Self::Full => "full".to_owned(),
+            Self::Local => "local".to_owned(),
+            Self::Mesh(level) => format!("mesh {level}"),
+            Self::Ideal(samples) => format!("ideal {samples}"),
+        }
+    }
+
+    /// Draws it.
+    ///
+    /// # Errors
+    /// What the renderers refuse.
+    pub fn draw(self, scene: &Scene, isa: Isa) -> Result<Reference, Error> {
+        let mut scene = scene.clone();
+        scene.trace.weight_cutoff = LEAST_WEIGHT;
+        let renderer = match self {
+            Self::Full | Self::Ideal(_) => Renderer::Trace,
+            Self::Local | Self::Mesh(_) => Renderer::Cast,
+        };
+        let mut setting = Setting {
+            precision: Precision::F64,
+            depth: MOST_DEPTH,
+            snap: Snap::Exact,
+            ..Setting::by(renderer, &scene)
+        };
+        if let Self::Mesh(level) = self {
+            (setting.geometry, setting.level) = (trace::Geometry::Mesh, level);
+        }
+        if let Self::Ideal(samples) = self {
+            (setting.samples, setting.pattern) = (samples, Pattern::Jitter);
+        }
+        deepest(&scene, setting, isa)
+    }
+}
+
+/// Draws with as many generations as the cap on rays lets through, halving from [`MOST_DEPTH`].
+fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, Error> {
+    loop {
+        match Job::new(scene, &setting, isa).draw() {
+            Ok(Drawn { color, object, .. }) => {
+                return Ok(Reference {
+                    color,
+                    object,
+                    depth: setting.depth,
+                });
+            }
+            Err(Error::Limit { .. }) if setting.depth > 8 => setting.depth /= 2,
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// Pixels at silhouettes of a picture or of the truth: within 1 px of a change of object in either, or covered in one only.
+pub fn silhouette(picture: &Plane<u32>, truth: &Plane<u32>) -> Vec<bool> {
+    let (width, height) = (truth.width, truth.height);
+    let changes = |plane: &Plane<u32>, x: usize, y: usize| {
+        let here = plane.data[y * width + x];
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        rows.into_iter().any(|row| {
+            let columns = x.saturating_sub(1)..(x + 2).min(width);
+            columns
+                .into_iter()
+                .any(|column| plane.data[row * width + column] != here)
+        })
+    };
+    (0..width * height)
+        .map(|i| {
+            let (x, y) = (i % width, i / width);
+            covered(picture.data[i]) != covered(truth.data[i])
+                || changes(truth, x, y)
+                || changes(picture, x, y)
+        })
+        .collect()
+}
