@@ -259,12 +259,12 @@ struct Seen {
     color: Vec<[f64; 3]>,
     primitive: Vec<u32>,
     object: Vec<u32>,
-    /// Per light and pixel, its diffuse and specular light is gone though it would reach the point; none for the rasterizer.
-    shadowed: Vec<bool>,
+    /// Per light and pixel whether its diffuse and specular light is blocked, where there would be any; empty for the rasterizer.
+    shadowed: Vec<Option<bool>>,
 }
 
 impl Seen {
-    fn new<R: Real>(frame: &Frame<R>, shadowed: Vec<bool>) -> Self {
+    fn new<R: Real>(frame: &Frame<R>, shadowed: Vec<Option<bool>>) -> Self {
         let color = frame.color.data.iter();
         Self {
             color: color.map(|c| c.map(Real::to_f64)).collect(),
@@ -299,9 +299,10 @@ fn both<R: Real>(scene: &Scene) -> [Seen; 2] {
         values.into_iter().any(|x| x.to_f64() != 0.0)
     };
     let pixels = full.color.data.len();
-    let shadowed = (0..lights * pixels)
-        .map(|i| lit(&cast, i / pixels, i % pixels) && !lit(&full, i / pixels, i % pixels));
-    let shadowed = shadowed.collect();
+    let places = (0..lights * pixels).map(|i| (i / pixels, i % pixels));
+    let shadowed = places
+        .map(|(light, pixel)| lit(&cast, light, pixel).then(|| !lit(&full, light, pixel)))
+        .collect();
     [
         Seen::new(&rasterize(scene, &assembly), Vec::new()),
         Seen::new(&full, shadowed),
@@ -340,8 +341,12 @@ fn apart(single: &Seen, double: &Seen) -> Apart {
         let nothing = [single, double].map(|s| s.object[pixel] == NONE);
         let lights = single.shadowed.len() / pixels;
         let shadows = (0..lights).map(|light| light * pixels + pixel);
+        // Light that is 0 in one precision for other reasons (a power below the smallest number) decides nothing.
         let shadows = shadows
-            .filter(|i| !object && single.shadowed[*i] != double.shadowed[*i])
+            .filter(|i| match (single.shadowed[*i], double.shadowed[*i]) {
+                (Some(a), Some(b)) => !object && a != b,
+                _ => false,
+            })
             .count();
         found.hit += usize::from(nothing[0] != nothing[1]);
         found.object += usize::from(object);
