@@ -14,7 +14,7 @@
 //! | `bezier` | bicubic patches |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
-//! | `optics` `media` `branch` | directions, media, secondary rays |
+//! | `optics` `media` `inside` `branch` | directions, media, those that the camera is in, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
@@ -30,7 +30,7 @@
 //! Vertex colours are interpolated as normals are, and light a hit in place of the terms that its material tracks; exact
 //! shapes are white, GL's current colour by default.
 //!
-//! Left out: textures, packets; a camera inside a medium starts in air all the same.
+//! Left out: textures, packets.
 
 mod bezier;
 mod body;
@@ -43,6 +43,7 @@ pub mod cylinder;
 pub mod disk;
 pub mod exact;
 mod hyperbola;
+mod inside;
 mod instance;
 mod isolate;
 mod media;
@@ -76,6 +77,7 @@ use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
+use inside::Inside;
 use shadow::{Lamp, lamps};
 use tile::{Area, TileFrame};
 
@@ -109,7 +111,7 @@ pub struct Options {
     pub shadows: bool,
     /// Mirror rays are cast.
     pub reflection: bool,
-    /// Transmitted rays are cast.
+    /// Transmitted rays are cast, and primary rays start in the media around the camera.
     pub refraction: bool,
     /// The frame carries its layers.
     pub layers: bool,
@@ -205,6 +207,7 @@ impl Counters {
 pub struct Plan<'a, R> {
     scene: &'a Scene,
     surfaces: Surfaces<'a, R>,
+    inside: Inside,
     rig: Rig<R>,
     /// The enabled lights: places in the world, and GL parameters in eye space.
     lamps: Vec<Lamp>,
@@ -252,6 +255,7 @@ impl<'a, R: Real> Plan<'a, R> {
         Ok(Self {
             scene,
             surfaces,
+            inside: Inside::new(scene),
             rig: Rig::planned(&sources, &scene.light_model, &needs),
             lamps: lamps(scene),
             sources,

@@ -8,7 +8,7 @@
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
-use super::media::{AIR, Media};
+use super::media::{AIR, Media, MediaId};
 use super::ray::{NO_ITEM, Ray};
 use super::shadow::Shadows;
 use super::sums::{Mean, Sums};
@@ -146,21 +146,32 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             let (origin, direction) = camera.primary_ray(place, image.width, image.height);
             let [t_min, t_max] = camera.ray_range(place, image.width, image.height);
             self.eye_rays.push((origin, direction));
+            let ray = Ray {
+                origin: camera.eye + world_from_eye * origin,
+                direction: world_from_eye * direction,
+                t_min,
+                t_max,
+                skip: NO_ITEM,
+            };
             paths.push(Path {
-                ray: Ray {
-                    origin: camera.eye + world_from_eye * origin,
-                    direction: world_from_eye * direction,
-                    t_min,
-                    t_max,
-                    skip: NO_ITEM,
-                },
+                media: self.first_media(&ray),
+                ray,
                 weight: [1.0; 3],
                 pixel,
                 branch: Branch::Primary,
-                media: AIR,
             });
         }
         paths
+    }
+
+    /// The media that a primary ray starts in: air where nothing is transmitted, so that `cast` lights as the rasterizer does.
+    fn first_media(&mut self, ray: &Ray) -> MediaId {
+        if !self.options.refraction {
+            return AIR;
+        }
+        let plan = self.plan;
+        let (walker, media) = (&mut self.walker, &mut self.media);
+        plan.inside.media(ray, &plan.surfaces, walker, media)
     }
 
     /// Where a sample of a pixel of the tile lies in the pixel frame.
