@@ -112,7 +112,13 @@ impl<R: Real> Workspace<R> {
         self.light(pass, counters);
         let (mode, lit, shown) = (pass.mode, &self.lit, &mut self.shown);
         if let Some(record) = &mut self.record {
-            record.show(mode.shading, &self.fragments, &self.front.alpha, lit);
+            record.show(
+                pass.plan,
+                mode.shading,
+                &self.fragments,
+                &self.front.alpha,
+                lit,
+            );
         }
         for (fragment, alpha) in self.fragments.iter().zip(&self.front.alpha) {
             let at = usize::from(fragment.at);

@@ -2,6 +2,8 @@
 //! interpolated from, and what the equation answered there. Written down by the passes themselves, for whoever explains a
 //! pixel; eye space.
 
+use super::Plan;
+use super::attribute::mix3;
 use super::lit::Lit;
 use super::shade::Fragment;
 use crate::gl::ShadeModel;
@@ -33,6 +35,8 @@ pub struct Seen<R> {
     pub weights: [f64; 3],
     /// What it is blended with over what was there before; `None` for the opaque surface.
     pub alpha: Option<f64>,
+    /// Its place, interpolated, eye space.
+    pub position_eye: [R; 3],
     /// Its colour, before blending.
     pub color: [R; 3],
     /// Its terms, as interpolated.
@@ -84,6 +88,7 @@ impl<R: Real> Record<R> {
     /// The fragments of the triangles met: opaque ones without `alphas`.
     pub(super) fn show(
         &mut self,
+        plan: &Plan<'_, R>,
         shading: ShadeModel,
         fragments: &[Fragment],
         alphas: &[f64],
@@ -97,11 +102,14 @@ impl<R: Real> Record<R> {
             let count = if shading == ShadeModel::Gouraud { 3 } else { 1 };
             let numbers = &fragment.points[..count];
             let points = numbers.iter().map(|n| self.points[*n as usize].clone());
+            let corners = plan.assembly.triangles[primitive as usize];
+            let place = |v: u32| plan.assembly.vertex_eye(v);
             self.surfaces.push(Seen {
                 primitive,
                 surface,
                 weights: fragment.weights,
                 alpha: alphas.get(i).copied(),
+                position_eye: mix3(fragment.weights, corners.map(place)),
                 color: fragment.pick(shading, &lit.color),
                 terms: lit
                     .layers

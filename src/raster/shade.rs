@@ -145,7 +145,13 @@ impl<R: Real> Workspace<R> {
         self.show_background(pass);
         self.show_colors(pass.mode);
         if let Some(record) = &mut self.record {
-            record.show(pass.mode.shading, &self.fragments, &[], &self.lit);
+            record.show(
+                pass.plan,
+                pass.mode.shading,
+                &self.fragments,
+                &[],
+                &self.lit,
+            );
         }
     }
 

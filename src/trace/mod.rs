@@ -67,6 +67,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use shadow::Lamp;
 pub use surface::Surfaces;
 
 use crate::error::Error;
@@ -80,7 +81,7 @@ use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
 use ray::Ray;
 use record::Record;
-use shadow::{Lamp, lamps};
+use shadow::lamps;
 use tile::{Area, TileFrame};
 
 /// The most secondary rays that one sample of a pixel may cast.
@@ -349,6 +350,11 @@ impl<'a, R: Real> Plan<'a, R> {
     pub fn record_ray(&self, options: &Options, ray: &Ray) -> Result<Record<R>, Error> {
         let (_, record) = tile::record(self, options, [0; 2], Some(*ray), Record::new(0))?;
         Ok(record)
+    }
+
+    /// Where the enabled lights are.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
     }
 
     /// The lights of the equation, resolved.

@@ -133,6 +133,11 @@ impl<R: Real> Record<R> {
         }
     }
 
+    /// The kept sample.
+    pub fn kept(&self) -> Option<&([R; 3], [[R; 3]; 2])> {
+        self.samples.get(self.keep)
+    }
+
     fn keeps(&self) -> bool {
         self.samples.len() == self.keep
     }

@@ -19,7 +19,7 @@ use crate::scene::{LightSpace, Scene, Shadow};
 
 /// Where a light is, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Lamp {
+pub enum Lamp {
     /// At a point.
     Point(DVec3),
     /// Infinitely far in a direction (towards the light).
