@@ -44,7 +44,21 @@ struct Solid {
 impl Inside {
     /// The solids of a scene that reach the near plane's part in the picture.
     pub(super) fn new(scene: &Scene) -> Self {
-        let near = near_points(scene);
+        let forward = scene.camera.target - scene.camera.eye;
+        Self::reaching(scene, near_points(scene), forward)
+    }
+
+    /// The solids that a ray of the caller's may start in.
+    pub(super) fn around(scene: &Scene, ray: &Ray) -> Self {
+        let point = ray.origin + ray.t_min * ray.direction;
+        let near = point.is_finite().then_some(Bounds {
+            min: point,
+            max: point,
+        });
+        Self::reaching(scene, near, ray.direction)
+    }
+
+    fn reaching(scene: &Scene, near: Option<Bounds>, forward: DVec3) -> Self {
         let solid = |(index, object): (usize, &Object)| {
             let mut optics = object.materials.iter().map(|m| &scene.materials[*m].optics);
             let ior = optics.find(|o| o.is_transmissive() && !o.thin)?.ior;
@@ -59,7 +73,7 @@ impl Inside {
         };
         Self {
             solids: scene.objects.iter().enumerate().filter_map(solid).collect(),
-            forward: scene.camera.target - scene.camera.eye,
+            forward,
         }
     }
 

@@ -8,8 +8,10 @@
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
+use super::inside::Inside;
 use super::media::{AIR, Media, MediaId};
 use super::ray::{NO_ITEM, Ray};
+use super::record::Record;
 use super::shadow::Shadows;
 use super::sums::{Mean, Sums};
 use super::surface::Site;
@@ -65,6 +67,10 @@ pub(super) struct Tile<'p, 'a, R> {
     sums: Sums<R>,
     /// Primary rays of the sample at hand, eye space.
     eye_rays: Vec<(DVec3, DVec3)>,
+    /// A ray of the caller's in place of the primary rays, and the solids that it may start in.
+    start: Option<(Ray, Inside)>,
+    /// Who listens, if anybody does: then the tile is one pixel.
+    record: Option<Box<Record<R>>>,
     out: TileFrame<R>,
 }
 
@@ -75,16 +81,35 @@ pub(super) fn draw<R: Real>(
     area: Area,
 ) -> Result<TileFrame<R>, Error> {
     let mut tile = Tile::new(plan, options, area);
-    let samples = plan.scene.image.samples.max(1);
-    let mut mean = Mean::new(&tile.out, samples);
-    for index in 0..samples {
-        tile.sample(index)?;
-        mean.add(&tile.sums, &mut tile.out);
-    }
-    mean.finish(&mut tile.out, tile.signed);
-    tile.counters.add_work(&tile.walker.work);
-    tile.out.counters = tile.counters;
+    tile.draw()?;
     Ok(tile.out)
+}
+
+/// Traces one pixel, or the one sample of a ray of the caller's, and writes down what happens.
+pub(super) fn record<R: Real>(
+    plan: &Plan<'_, R>,
+    options: &Options,
+    [x, y]: [u32; 2],
+    start: Option<Ray>,
+    record: Record<R>,
+) -> Result<(TileFrame<R>, Record<R>), Error> {
+    // Single terms are kept only for layers.
+    let options = Options {
+        layers: true,
+        ..*options
+    };
+    let area = Area {
+        x,
+        y,
+        width: 1,
+        height: 1,
+    };
+    let mut tile = Tile::new(plan, &options, area);
+    tile.start = start.map(|ray| (ray, Inside::around(plan.scene, &ray)));
+    tile.record = Some(Box::new(record));
+    tile.draw()?;
+    let record = tile.record.map(|record| *record).unwrap_or_default();
+    Ok((tile.out, record))
 }
 
 impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
@@ -108,6 +133,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             counters: Counters::default(),
             sums: Sums::new(pixels, index, options.layers, signed),
             eye_rays: Vec::new(),
+            start: None,
+            record: None,
             out: TileFrame {
                 area,
                 color: black(),
@@ -118,6 +145,26 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 counters: Counters::default(),
             },
         }
+    }
+
+    /// Traces every sample of every pixel into `out`.
+    fn draw(&mut self) -> Result<(), Error> {
+        let samples = match &self.start {
+            Some(_) => 1,
+            None => self.plan.scene.image.samples.max(1),
+        };
+        let mut mean = Mean::new(&self.out, samples);
+        for index in 0..samples {
+            self.sample(index)?;
+            mean.add(&self.sums, &mut self.out);
+            if let Some(record) = &mut self.record {
+                record.end_sample(self.sums.color(0));
+            }
+        }
+        mean.finish(&mut self.out, self.signed);
+        self.counters.add_work(&self.walker.work);
+        self.out.counters = self.counters;
+        Ok(())
     }
 
     /// Traces one sample of every pixel into `sums`.
@@ -136,10 +183,19 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     fn primary_paths(&mut self, index: u32) -> Vec<Path> {
+        self.eye_rays.clear();
+        if let Some(ray) = self.start.as_ref().map(|(ray, _)| *ray) {
+            return vec![Path {
+                media: self.first_media(&ray),
+                ray,
+                weight: [1.0; 3],
+                pixel: 0,
+                branch: Branch::Primary,
+            }];
+        }
         let image = &self.plan.scene.image;
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        self.eye_rays.clear();
         let mut paths = Vec::new();
         for pixel in 0..self.area.width * self.area.height {
             let place = self.sample_place(pixel, index);
@@ -171,7 +227,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         }
         let plan = self.plan;
         let (walker, media) = (&mut self.walker, &mut self.media);
-        plan.inside.media(ray, &plan.surfaces, walker, media)
+        let inside = self
+            .start
+            .as_ref()
+            .map_or(&plan.inside, |(_, inside)| inside);
+        inside.media(ray, &plan.surfaces, walker, media)
     }
 
     /// Where a sample of a pixel of the tile lies in the pixel frame.
@@ -200,6 +260,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             let site = self.meet(i as u32, path, index);
             sites.push(site);
         }
+        if let Some(record) = &mut self.record {
+            record.wave(paths, &sites, &self.media);
+        }
         if generation == 0 {
             self.add_local(paths, &sites);
         } else {
@@ -210,9 +273,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             return Ok(Vec::new());
         }
         let mut next = Vec::new();
-        for (path, site) in paths.iter().zip(&sites) {
+        for (i, (path, site)) in paths.iter().zip(&sites).enumerate() {
             if let Some(site) = site {
-                self.fork(path, site, &mut next)?;
+                self.fork(i as u32, path, site, &mut next)?;
             }
         }
         Ok(next)
@@ -223,7 +286,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let surfaces = &self.plan.surfaces;
         let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
-        let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
+        let eye_ray = self.eye_rays.get(path.pixel as usize).copied();
+        let eye_ray = eye_ray.filter(|_| primary);
         // Without shading and without secondary rays nothing asks for the shading normal.
         let normal = self.plan.needs.has(Feature::Normal) || self.wanted().contains(&true);
         let site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
@@ -256,7 +320,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             (true, false) => front,
         };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along, where a highlight asks.
-        let primary = path.branch == Branch::Primary;
+        // A ray of one's own (`start`) has no picture: it is looked back along as well.
+        let primary = path.branch == Branch::Primary && self.start.is_none();
         let looks_back = if primary {
             model.local_viewer && needs.has(Feature::ViewVector)
         } else {
@@ -361,6 +426,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             tags: &batch.tags,
             walker: &mut self.walker,
             counters: &mut self.counters,
+            record: self.record.as_deref_mut(),
         };
         let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
         let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
@@ -382,6 +448,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             sink,
         );
         self.counters.lighting += counted;
+        if let Some(listener) = &mut self.record {
+            listener.shaded(batch, &terms);
+        }
         if record { terms } else { vec![sum] }
     }
 
@@ -395,7 +464,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     /// Adds the secondary rays of a hit to the next wave.
-    fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
+    fn fork(
+        &mut self,
+        tag: u32,
+        path: &Path,
+        site: &Site<R>,
+        next: &mut Vec<Path>,
+    ) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
             return Ok(());
@@ -411,7 +486,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             wanted: self.wanted(),
             bends: self.plan.needs.has(Feature::Tir),
         };
-        let [reflection, refraction] = fork.branches(&mut self.media);
+        let forked = fork.branches(&mut self.media);
+        if let Some(record) = &mut self.record {
+            record.fork(tag, &forked, optics.transmission);
+        }
+        let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());
         self.counters.rays.refraction += u64::from(refraction.is_some());
         let before = next.len();
