@@ -44,6 +44,7 @@
 mod batch;
 mod call;
 mod cone;
+mod faults;
 mod light;
 mod parts;
 mod scratch;
@@ -54,6 +55,7 @@ use std::ops::AddAssign;
 
 pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
+pub use faults::{Early, Faults};
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 
 use crate::gl;
@@ -73,6 +75,7 @@ use scratch::with_scratch;
 pub struct Rig<R> {
     lights: Vec<Light<R>>,
     model: gl::LightModel,
+    faults: Faults,
 }
 
 impl<R: Real> Rig<R> {
@@ -81,7 +84,14 @@ impl<R: Real> Rig<R> {
         Self {
             lights: lights_eye.iter().map(Light::resolve).collect(),
             model: model.clone(),
+            faults: Faults::default(),
         }
+    }
+
+    /// The same lights under an equation with mistakes.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self { faults, ..self }
     }
 
     /// How many lights.

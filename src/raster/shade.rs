@@ -173,7 +173,10 @@ impl<R: Real> Workspace<R> {
     ) {
         let range = [pass.plan.view.near, pass.plan.view.far];
         let ray = pass.samples.ray(x, y);
-        let weights = seen.weights.between(ray, seen.distance, range);
+        let mut weights = seen.weights.between(ray, seen.distance, range);
+        if pass.plan.faults.affine {
+            weights = seen.weights.affine(weights);
+        }
         let mut points = seen.points;
         if pass.mode.shading == ShadeModel::Phong {
             let tag = self.fragments.len() as u32;
@@ -246,10 +249,15 @@ impl<R: Real> Workspace<R> {
             mix(weights, [p[1], q[1], r[1]]),
             mix(weights, [p[2], q[2], r[2]]),
         ];
-        let normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+        let (unit, length) = normalize(raw);
+        let normal = turned(unit.map(R::from_f64), seen.surface);
         let viewer = plan.to_viewer(position);
         self.batches
             .push(seen.surface, tag, position, normal, viewer);
+        if plan.faults.normals_unnormalized {
+            let points = &mut self.batches.batch(seen.surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         if !assembly.color[0].is_empty() {
             let color = |v: u32| [0, 1, 2].map(|k: usize| assembly.color[k][v as usize]);
             let color = mix3(weights, [color(a), color(b), color(c)]);

@@ -16,6 +16,7 @@
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
+//! | `faults` | mistakes that people make, for `check` |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -42,6 +43,7 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disk;
 pub mod exact;
+mod faults;
 mod hyperbola;
 mod instance;
 mod isolate;
@@ -60,11 +62,13 @@ pub mod surface;
 mod tile;
 pub mod torus;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use faults::{Faults, Normals};
 pub use surface::Surfaces;
 
 use crate::error::Error;
@@ -198,7 +202,7 @@ impl Counters {
 #[derive(Clone, Debug)]
 pub struct Plan<'a, R> {
     scene: &'a Scene,
-    surfaces: Surfaces<'a, R>,
+    surfaces: Arc<Surfaces<'a, R>>,
     rig: Rig<R>,
     /// The enabled lights: places in the world, and GL parameters in eye space.
     lamps: Vec<Lamp>,
@@ -208,6 +212,7 @@ pub struct Plan<'a, R> {
     /// Some colour is negative: sums run in f64.
     signed: bool,
     build_seconds: f64,
+    faults: Faults,
 }
 
 impl<'a, R: Real> Plan<'a, R> {
@@ -229,19 +234,49 @@ impl<'a, R: Real> Plan<'a, R> {
         let start = Instant::now();
         let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
         let build_seconds = start.elapsed().as_secs_f64();
+        Ok(Self::over(scene, Arc::new(surfaces), model, build_seconds))
+    }
+
+    /// A plan over surfaces that are there.
+    fn over(
+        scene: &'a Scene,
+        surfaces: Arc<Surfaces<'a, R>>,
+        model: Model,
+        build_seconds: f64,
+    ) -> Self {
         let sources = scene.lights_eye();
-        let needs = Requirements::plan(scene, Mode::Trace, model);
-        Ok(Self {
+        Self {
             scene,
             surfaces,
             rig: Rig::new(&sources, &scene.light_model),
             lamps: lamps(scene),
             sources,
-            needs,
+            needs: Requirements::plan(scene, Mode::Trace, model),
             model,
             signed: scene.has_negative_colors(),
             build_seconds,
-        })
+            faults: Faults::default(),
+        }
+    }
+
+    /// The same surfaces and their hierarchy under a scene that differs in lights, materials, light model, settings of the
+    /// tracer, size or projection alone: objects, the camera's place, `normalize` and front faces are those of the first.
+    pub fn relit<'b>(&self, scene: &'b Scene) -> Plan<'b, R>
+    where
+        'a: 'b,
+    {
+        let surfaces: Arc<Surfaces<'b, R>> = self.surfaces.clone();
+        Plan::over(scene, surfaces, self.model, self.build_seconds)
+    }
+
+    /// The same plan with mistakes in it.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self {
+            rig: self.rig.with_faults(faults.lighting),
+            faults,
+            ..self
+        }
     }
 
     /// How long the hierarchy took to build, in seconds. Kept apart from [`Counters`], which repeat.

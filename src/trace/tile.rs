@@ -8,6 +8,7 @@
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
+use super::faults::Normals;
 use super::media::{AIR, Media};
 use super::ray::{NO_ITEM, Ray};
 use super::shadow::Shadows;
@@ -209,22 +210,29 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     /// Follows one ray to its hit and enters that for shading.
     fn meet(&mut self, tag: u32, path: &Path, index: u32) -> Option<Site<R>> {
         let surfaces = &self.plan.surfaces;
-        let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
+        let faults = &self.plan.faults;
+        let hit = faults.closest_hit(surfaces, &path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
         let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
-        let site = surfaces.site(&path.ray, &hit, eye_ray);
+        let mut site = surfaces.site(&path.ray, &hit, eye_ray);
+        let bent = (faults.normals != Normals::Right)
+            .then(|| faults.bend_normal(surfaces, &hit, &mut site, &self.rotation));
         if primary && index == 0 {
             let pixel = path.pixel as usize;
             self.out.depth[pixel] = -site.position_eye[2];
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
-        self.enter(tag, path, &site);
+        let surface = self.enter(tag, path, &site);
+        if let Some(length) = bent {
+            let points = &mut self.batches.batch(surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         Some(site)
     }
 
-    /// Enters a hit for shading: which side faces the ray, and where the viewer is.
-    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
+    /// Enters a hit for shading: which side faces the ray, and where the viewer is. Returns the number of the surface.
+    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) -> usize {
         let model = &self.plan.scene.light_model;
         let arriving = self.rotation * path.ray.direction;
         // Facing: the rule of the light model in air, towards the ray inside a medium.
@@ -233,7 +241,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let flip = if path.media == AIR {
             back
         } else {
-            arriving.dot(front) > 0.0
+            arriving.dot(front) > 0.0 && !self.plan.faults.normal_kept_inside
         };
         let normal = if flip { -front } else { front };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along.
@@ -253,6 +261,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.batches.batch(surface).points.push_color(color);
         }
         self.counters.shaded_points += 1;
+        surface
     }
 
     /// Primary hits: their terms are the picture's own; misses show the background.
@@ -330,6 +339,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lamps: &plan.lamps,
             sources: &plan.sources,
             material: white.as_ref().unwrap_or(material),
+            faults: &plan.faults,
             ask_all: plan.model == Model::Full,
             sites,
             tags: &batch.tags,
@@ -382,6 +392,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             optics,
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
+            faults: &self.plan.faults,
         };
         let [reflection, refraction] = fork.branches(&mut self.media);
         self.counters.rays.reflection += u64::from(reflection.is_some());
