@@ -4,6 +4,7 @@
 //! asked threshold, 2 error.
 
 mod args;
+mod check;
 mod commands;
 mod compare;
 mod diagnostic;
@@ -67,6 +68,9 @@ enum Command {
     /// Render with both renderers and explain every difference, into a folder
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Check one's own picture of a scene: is it right, and if not, which mistake explains it?
+    #[command(after_long_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
     /// Say what a scene contains and which features of the model it requires
     #[command(after_long_help = INSPECT_EXAMPLES)]
     Inspect(InspectArgs),
@@ -147,6 +151,7 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
+        Command::Check(args) => check::check(args, verbosity),
         Command::Inspect(args) => commands::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),
