@@ -45,6 +45,7 @@ mod anatomy;
 mod batch;
 mod call;
 mod cone;
+mod faults;
 mod light;
 mod parts;
 mod rig;
@@ -59,6 +60,7 @@ use serde::Serialize;
 pub use anatomy::Anatomy;
 pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
+pub use faults::{Early, Faults};
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 pub use rig::Rig;
 

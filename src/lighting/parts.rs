@@ -5,6 +5,7 @@
 //! Everything that is the same for all points of a light (its kind, its powers, the specular form) is decided outside
 //! the lanes or by a branch that always goes the same way.
 
+use super::Faults;
 use super::light::{DirectionalLight, Incident, Light, PointLight, Power, SpotLight};
 use super::scratch::Scratch;
 use super::vector::{cross_squared, dot3, ln_cosine, zero_to};
@@ -41,6 +42,9 @@ pub(super) struct Products<R> {
     pub(super) careful: bool,
     /// Some colour of the scene is negative: terms are finite and never -0, sums run in f64.
     pub(super) signed: bool,
+    /// Terms go out as they come: neither signed nor touched by a mistake.
+    pub(super) as_is: bool,
+    pub(super) faults: Faults,
     pub(super) power: Power<R>,
     pub(super) model: SpecularModel,
 }
@@ -153,7 +157,10 @@ pub(super) fn weigh<L: Lanes>(
         let lit = product(n_dot_l * length, factor, products.careful);
         lit.store(&mut scratch.diffuse[i..]);
         // The gate f_i: no highlight where the light is at or below the horizon.
-        let faces = n_dot_l.gt(zero);
+        let mut faces = n_dot_l.gt(zero);
+        if products.faults.ungated_specular {
+            faces = faces | n_dot_l.le(zero);
+        }
         let mut highlight = zero;
         if products.has.specular && faces.any() {
             let to_light = [
@@ -168,6 +175,11 @@ pub(super) fn weigh<L: Lanes>(
                     half_vector(products.power, normal, length, to_light, to_viewer)
                 }
                 SpecularModel::Reflection => {
+                    let n_dot_l = if products.faults.ungated_specular {
+                        dot3(normal, to_light)
+                    } else {
+                        n_dot_l
+                    };
                     reflection(products.power, normal, n_dot_l, to_light, to_viewer)
                 }
             };
@@ -358,6 +370,10 @@ fn terms<L: Lanes>(
         diffuse = product(diffuse, s, careful);
         specular = product(specular, s, careful);
     }
+    if products.as_is {
+        return [ambient, diffuse, specular];
+    }
+    let [ambient, diffuse, specular] = products.faults.early.terms([ambient, diffuse, specular]);
     if !products.signed {
         return [ambient, diffuse, specular];
     }

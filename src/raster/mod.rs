@@ -31,6 +31,7 @@ mod clip;
 mod coverage;
 mod draw;
 mod edges;
+mod faults;
 mod jumps;
 mod lit;
 mod outline;
@@ -45,6 +46,9 @@ mod view;
 mod window;
 
 pub use coverage::{Run, coverage, coverage_clip_space, depth_key, perspective_weights};
+pub use faults::Faults;
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -149,9 +153,11 @@ pub struct Plan<'a, R> {
     viewers: bool,
     view: View,
     grid: TileGrid,
-    chunks: Vec<Chunk>,
+    chunks: Arc<Vec<Chunk>>,
     /// For each material the alpha that it is blended with, `None` where it is opaque; empty where nothing is blended.
     alphas: Vec<Option<f64>>,
+    model: Model,
+    faults: Faults,
 }
 
 impl<'a, R: Real> Plan<'a, R> {
@@ -179,8 +185,24 @@ impl<'a, R: Real> Plan<'a, R> {
             },
             origin: [0; 2],
         };
+        let mut plan = Self::over(scene, assembly, view, grid, Arc::default(), needs);
+        if drawable {
+            plan.chunks = Arc::new(plan.set_up());
+        }
+        plan
+    }
+
+    /// A plan over triangles that are set up.
+    fn over(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        view: View,
+        grid: TileGrid,
+        chunks: Arc<Vec<Chunk>>,
+        needs: &Requirements,
+    ) -> Self {
         let light_model = &scene.light_model;
-        let mut plan = Self {
+        Self {
             scene,
             assembly,
             rig: Rig::planned(&scene.lights_eye(), light_model, needs),
@@ -189,13 +211,29 @@ impl<'a, R: Real> Plan<'a, R> {
             viewers: light_model.local_viewer && needs.has(Feature::ViewVector),
             view,
             grid,
-            chunks: Vec::new(),
+            chunks,
             alphas: blend::alphas(scene),
-        };
-        if drawable {
-            plan.chunks = plan.set_up();
+            model: needs.model(),
+            faults: Faults::default(),
         }
-        plan
+    }
+
+    /// The same triangles, set up as they are, under a scene that differs in lights, materials or light model alone, and an
+    /// assembly that differs in normals or the order of corners alone.
+    pub fn relit<'b>(&self, scene: &'b Scene, assembly: &'b Assembly<R>) -> Plan<'b, R> {
+        let (view, chunks) = (self.view.clone(), Arc::clone(&self.chunks));
+        let needs = Requirements::plan(scene, requirements::Mode::Raster, self.model);
+        Plan::over(scene, assembly, view, self.grid, chunks, &needs)
+    }
+
+    /// The same plan with mistakes in it.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self {
+            rig: self.rig.with_faults(faults.lighting),
+            faults,
+            ..self
+        }
     }
 
     /// Draws the picture.

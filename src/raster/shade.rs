@@ -186,7 +186,10 @@ impl<R: Real> Workspace<R> {
     ) {
         let range = [pass.plan.view.near, pass.plan.view.far];
         let ray = pass.samples.ray(x, y);
-        let weights = seen.weights.between(ray, seen.distance, range);
+        let mut weights = seen.weights.between(ray, seen.distance, range);
+        if pass.plan.faults.affine {
+            weights = seen.weights.affine(weights);
+        }
         let mut points = seen.points;
         if pass.mode.shading == ShadeModel::Phong {
             let tag = self.fragments.len() as u32;
@@ -259,6 +262,7 @@ impl<R: Real> Workspace<R> {
         let place = |v| assembly.vertex_eye(v);
         let position = mix3(weights, [place(a), place(b), place(c)]);
         let mut normal = [R::ZERO; 3];
+        let mut length = 0.0;
         if plan.normals {
             let at = |v| assembly.vertex_normal_weighted(v);
             let [p, q, r] = [at(a), at(b), at(c)];
@@ -267,11 +271,17 @@ impl<R: Real> Workspace<R> {
                 mix(weights, [p[1], q[1], r[1]]),
                 mix(weights, [p[2], q[2], r[2]]),
             ];
-            normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+            let unit;
+            (unit, length) = normalize(raw);
+            normal = turned(unit.map(R::from_f64), seen.surface);
         }
         let viewer = to_viewer(position, plan.viewers);
         self.batches
             .push(seen.surface, tag, position, normal, viewer);
+        if plan.faults.normals_unnormalized {
+            let points = &mut self.batches.batch(seen.surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         if !assembly.color[0].is_empty() {
             let color = |v: u32| [0, 1, 2].map(|k: usize| assembly.color[k][v as usize]);
             let color = mix3(weights, [color(a), color(b), color(c)]);

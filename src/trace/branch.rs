@@ -9,6 +9,7 @@
 //! out of it (smooth meshes seen at grazing angles), the geometric normal takes its place.
 
 use super::exact::unit;
+use super::faults::Faults;
 use super::media::{Media, MediaId};
 use super::optics::{Transmission, fresnel, reflect, refract};
 use super::ray::{Foot, Ray};
@@ -59,6 +60,8 @@ pub(super) struct Fork<'s> {
     pub(super) wanted: [bool; 2],
     /// Whether any surface of the scene bends what it transmits.
     pub(super) bends: bool,
+    /// Mistakes asked for.
+    pub(super) faults: &'s Faults,
 }
 
 /// What becomes of K_T at a surface.
@@ -122,7 +125,7 @@ impl Fork<'_> {
         let inwards = usize::from(self.foot.normal.dot(direction) < 0.0);
         let ray = Ray {
             skip: self.skip[inwards],
-            ..Ray::new(self.foot.spawn(direction), direction)
+            ..Ray::new(self.faults.spawn(self.foot, direction), direction)
         };
         let first = self.path.branch == Branch::Primary;
         Some(Path {
@@ -170,7 +173,8 @@ impl Fork<'_> {
             return straight(self.path.media, media.ior(self.path.media));
         }
         let crossing = media.cross(self.path.media, self.object, self.optics.ior);
-        let (eta_i, eta_t) = (crossing.eta_i, crossing.eta_t);
+        let eta = [crossing.eta_i, crossing.eta_t];
+        let [eta_i, eta_t] = self.faults.indices(d, self.foot.normal, eta);
         if eta_i == eta_t || !self.bends {
             return straight(crossing.media, eta_t);
         }
@@ -187,6 +191,7 @@ impl Fork<'_> {
             Transmission::Through { direction, cosine } => {
                 let cos_i = unit(d).dot(normal).abs().min(1.0);
                 let f = fresnel(model, cos_i, cosine, eta_i, eta_t);
+                let direction = self.faults.transmitted(direction, d, self.foot.normal);
                 Passage {
                     eta: [eta_i, eta_t],
                     reflected: f,

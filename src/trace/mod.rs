@@ -17,6 +17,7 @@
 //! | `optics` `media` `inside` `branch` | directions, media, those that the camera is in, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
 //! | `record` | what happened on the way to one pixel, for whoever explains it |
+//! | `faults` | mistakes that people make, for `check` |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -43,6 +44,7 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disk;
 pub mod exact;
+mod faults;
 mod hyperbola;
 mod inside;
 mod instance;
@@ -63,11 +65,13 @@ pub mod surface;
 mod tile;
 pub mod torus;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use faults::{Faults, Normals};
 pub use shadow::Lamp;
 pub use surface::Surfaces;
 
@@ -211,7 +215,7 @@ impl Counters {
 #[derive(Clone, Debug)]
 pub struct Plan<'a, R> {
     scene: &'a Scene,
-    surfaces: Surfaces<'a, R>,
+    surfaces: Arc<Surfaces<'a, R>>,
     inside: Inside,
     rig: Rig<R>,
     /// The enabled lights: places in the world, and GL parameters in eye space.
@@ -221,6 +225,7 @@ pub struct Plan<'a, R> {
     /// Some colour is negative: sums run in f64.
     signed: bool,
     build_seconds: f64,
+    faults: Faults,
 }
 
 impl<'a, R: Real> Plan<'a, R> {
@@ -256,8 +261,18 @@ impl<'a, R: Real> Plan<'a, R> {
         let start = Instant::now();
         let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
         let build_seconds = start.elapsed().as_secs_f64();
+        Ok(Self::over(scene, Arc::new(surfaces), needs, build_seconds))
+    }
+
+    /// A plan over surfaces that are there.
+    fn over(
+        scene: &'a Scene,
+        surfaces: Arc<Surfaces<'a, R>>,
+        needs: Requirements,
+        build_seconds: f64,
+    ) -> Self {
         let sources = scene.lights_eye();
-        Ok(Self {
+        Self {
             scene,
             surfaces,
             inside: Inside::new(scene),
@@ -267,7 +282,29 @@ impl<'a, R: Real> Plan<'a, R> {
             needs,
             signed: scene.has_negative_colors(),
             build_seconds,
-        })
+            faults: Faults::default(),
+        }
+    }
+
+    /// The same surfaces and their hierarchy under a scene that differs in lights, materials, light model, settings of the
+    /// tracer, size or projection alone: objects, the camera's place, `normalize` and front faces are those of the first.
+    pub fn relit<'b>(&self, scene: &'b Scene) -> Plan<'b, R>
+    where
+        'a: 'b,
+    {
+        let surfaces: Arc<Surfaces<'b, R>> = self.surfaces.clone();
+        let needs = Requirements::plan(scene, Mode::Trace, self.needs.model());
+        Plan::over(scene, surfaces, needs, self.build_seconds)
+    }
+
+    /// The same plan with mistakes in it.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self {
+            rig: self.rig.with_faults(faults.lighting),
+            faults,
+            ..self
+        }
     }
 
     /// How long the hierarchy took to build, in seconds. Kept apart from [`Counters`], which repeat.

@@ -8,6 +8,7 @@
 
 use super::Counters;
 use super::bvh::Walker;
+use super::faults::Faults;
 use super::ray::{Foot, Hit, Ray};
 use super::record::{Record, ShadowRecord};
 use super::surface::{Site, Surfaces};
@@ -68,6 +69,8 @@ pub(super) struct Shadows<'s, 'a, R> {
     /// GL source of each lamp, for its colours.
     pub(super) sources: &'s [gl::LightSource],
     pub(super) material: &'s gl::Material,
+    /// Mistakes asked for.
+    pub(super) faults: &'s Faults,
     /// `--model full`: rays are cast even where no product can show them.
     pub(super) ask_all: bool,
     /// Sites of the queue; `tags` says which one each point of the batch is.
@@ -84,11 +87,16 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
         if !self.ask_all && !casts_shadows(self.material, &self.sources[light]) {
             return;
         }
+        let lamp = self.lamps[light];
+        if self.faults.never_blocks(lamp) {
+            return;
+        }
         for (i, &tag) in self.tags.iter().enumerate() {
             let (true, Some(site)) = (illumination.facing[i], &self.sites[tag as usize]) else {
                 continue;
             };
-            let ray = shadow_ray(&site.foot, site.skip, self.lamps[light]);
+            let right = shadow_ray(&site.foot, site.skip, lamp);
+            let ray = self.faults.shadow_ray(right, &site.foot, lamp);
             self.counters.rays.shadow += 1;
             let lit = self.light_through(&ray);
             if let Some(record) = self.record.as_deref_mut() {
@@ -105,7 +113,7 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
 impl<R: Real> Shadows<'_, '_, R> {
     fn light_through(&mut self, ray: &Ray) -> [f64; 3] {
         if self.scene.trace.shadow == Shadow::Opaque {
-            let blocked = self.surfaces.any_hit(ray, self.walker);
+            let blocked = self.faults.any_hit(self.surfaces, ray, self.walker);
             return [if blocked { 0.0 } else { 1.0 }; 3];
         }
         let (surfaces, materials) = (self.surfaces, &self.scene.materials);

@@ -180,7 +180,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
     /// Shows `visit` every hit that the hierarchy cannot rule out, at any t, with the bound on t, which it may lower; it
     /// returns true to stop. Returns whether it did.
     #[inline]
-    fn walk(
+    pub(super) fn walk(
         &self,
         ray: &Ray,
         walker: &mut Walker,
@@ -247,6 +247,38 @@ impl<'a, R: Real> Surfaces<'a, R> {
             self.assembly.object[hit.item as usize]
         } else {
             self.solid(hit.item).object
+        }
+    }
+
+    /// A ray enters a convex body there, and leaves it elsewhere.
+    pub(super) fn enters_convex(&self, hit: &Hit) -> bool {
+        let convex = |solid: &Solid| solid.is_convex() && !solid.is_planar();
+        hit.item & SOLID != 0 && !hit.back && convex(self.solid(hit.item))
+    }
+
+    /// Linear part of world from object, of the object hit.
+    pub(super) fn model_matrix(&self, hit: &Hit) -> DMat3 {
+        let object = &self.scene.objects[self.object(hit) as usize];
+        object.world_from_object.matrix3
+    }
+
+    /// Length of a triangle's normal as its vertices' weigh it; `None` for exact shapes.
+    pub(super) fn length_left(&self, hit: &Hit) -> Option<f64> {
+        if hit.item & SOLID != 0 {
+            return None;
+        }
+        let triangle = self.assembly.triangles[hit.item as usize];
+        let [a, b, c] =
+            triangle.map(|v| DVec3::from_array(self.assembly.vertex_normal_weighted(v)));
+        let [u, v] = hit.uv;
+        Some(((1.0 - u - v) * a + u * b + v * c).length())
+    }
+
+    /// Length of the object normal that an exact shape's own formula leaves: P - C of a sphere has that of its radius.
+    pub(super) fn length_of_shape(&self, hit: &Hit) -> f64 {
+        match &self.scene.objects[self.object(hit) as usize].geometry {
+            scene::Geometry::Shape(scene::Shape::Sphere { radius, .. }) => *radius,
+            _ => 1.0,
         }
     }
 

@@ -8,6 +8,7 @@
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
+use super::faults::Normals;
 use super::inside::Inside;
 use super::media::{AIR, Media, MediaId};
 use super::ray::{NO_ITEM, Ray};
@@ -284,26 +285,33 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     /// Follows one ray to its hit and enters that for shading.
     fn meet(&mut self, tag: u32, path: &Path, index: u32) -> Option<Site<R>> {
         let surfaces = &self.plan.surfaces;
-        let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
+        let faults = &self.plan.faults;
+        let hit = faults.closest_hit(surfaces, &path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
         let eye_ray = self.eye_rays.get(path.pixel as usize).copied();
         let eye_ray = eye_ray.filter(|_| primary);
         // Without shading and without secondary rays nothing asks for the shading normal.
         let normal = self.plan.needs.has(Feature::Normal) || self.wanted().contains(&true);
-        let site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
+        let mut site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
         self.counters.normalizations += u64::from(normal);
+        let bent = (faults.normals != Normals::Right)
+            .then(|| faults.bend_normal(surfaces, &hit, &mut site, &self.rotation));
         if primary && index == 0 {
             let pixel = path.pixel as usize;
             self.out.depth[pixel] = -site.position_eye[2];
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
-        self.enter(tag, path, &site);
+        let surface = self.enter(tag, path, &site);
+        if let Some(length) = bent {
+            let points = &mut self.batches.batch(surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         Some(site)
     }
 
-    /// Enters a hit for shading: which side faces the ray, and where the viewer is.
-    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
+    /// Enters a hit for shading: which side faces the ray, and where the viewer is. Returns the number of the surface.
+    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) -> usize {
         let (model, needs) = (&self.plan.scene.light_model, &self.plan.needs);
         let arriving = self.rotation * path.ray.direction;
         // Facing: the rule of the light model in air, towards the ray inside a medium.
@@ -312,7 +320,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let flip = if path.media == AIR {
             back
         } else {
-            arriving.dot(front) > 0.0
+            arriving.dot(front) > 0.0 && !self.plan.faults.normal_kept_inside
         };
         let normal = match (needs.has(Feature::Normal), flip) {
             (false, _) => DVec3::ZERO,
@@ -344,6 +352,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.batches.batch(surface).points.push_color(color);
         }
         self.counters.shaded_points += 1;
+        surface
     }
 
     /// Primary hits: their terms are the picture's own; misses show the background.
@@ -421,6 +430,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lamps: &plan.lamps,
             sources: &plan.sources,
             material: white.as_ref().unwrap_or(material),
+            faults: &plan.faults,
             ask_all: plan.needs.is_full(),
             sites,
             tags: &batch.tags,
@@ -485,6 +495,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
             bends: self.plan.needs.has(Feature::Tir),
+            faults: &self.plan.faults,
         };
         let forked = fork.branches(&mut self.media);
         if let Some(record) = &mut self.record {
