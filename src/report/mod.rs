@@ -9,6 +9,7 @@
 //! - [`folder`]: the files of a comparison, by name.
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
 //!   sentences with symbols in them.
+//! - [`pixel`]: one pixel explained, as text, figure and ray paths.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
@@ -29,6 +30,7 @@ pub mod palette;
 #[cfg(feature = "opengl")]
 pub mod peer;
 pub mod picture;
+pub mod pixel;
 pub mod prose;
 mod sections;
 pub mod summary;

@@ -1,13 +1,14 @@
 //! The conformance adapter: answers reference cases by calling the functions that the renderers call.
 //!
 //! `probe cases --cases FILE.json[.gz] --precision f32|f64`, `probe gl-lights --precision f32|f64 < light-cases.jsonl`,
-//! `probe lighting < cases.jsonl`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`. Answers go to
+//! `probe lighting < cases.jsonl`, `probe trace < rays.jsonl`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`. Answers go to
 //! standard output, one JSON value a line, those of `gl-scene` to files; errors to standard error, exit code 2.
 
 mod gl_lights;
 mod gl_scene;
 mod numerics;
 mod rays;
+mod trace;
 
 use std::io::{Read, Write};
 use std::process::ExitCode;
@@ -20,7 +21,8 @@ type Failure = Box<dyn std::error::Error>;
 const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f64 [--snap 8|12|exact]
        probe gl-lights --precision f32|f64 < light-cases.jsonl
        probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12|exact]
-       probe lighting < cases.jsonl";
+       probe lighting < cases.jsonl
+       probe trace [--precision f32|f64] < rays.jsonl";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -35,8 +37,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: &[String]) -> Result<(), Failure> {
     let command = arguments.first().map_or("", String::as_str);
-    if command == "gl-scene" {
-        return gl_scene(arguments);
+    match command {
+        "gl-scene" => return gl_scene(arguments),
+        "trace" => return trace(arguments),
+        _ => {}
     }
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match (command, precision(arguments)?) {
@@ -55,6 +59,22 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     out.flush()?;
     Ok(())
+}
+
+/// Traces the rays of standard input; those that cannot be traced are told in their lines, and at the end.
+fn trace(arguments: &[String]) -> Result<(), Failure> {
+    let precision = match precision(arguments)? {
+        Precision::F32 => rastray::explain::Precision::F32,
+        Precision::F64 => rastray::explain::Precision::F64,
+    };
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    let good = trace::answer(std::io::stdin().lock(), precision, &mut out)?;
+    out.flush()?;
+    if good {
+        Ok(())
+    } else {
+        Err("some rays could not be traced: see their lines".into())
+    }
 }
 
 /// Draws a scene into the files of a prefix; f32, as OpenGL computes, unless told otherwise.
