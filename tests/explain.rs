@@ -440,26 +440,48 @@ fn levels(ray: &Value) -> usize {
     1 + below.into_iter().max().unwrap_or(0)
 }
 
+/// A mirror before and a mirror behind the eye, square to the view: a ray goes to and fro between them for ever.
+const TO_AND_FRO: &str = r#"
+camera = { eye = [0, 0, 0], target = [0, 0, -1] }
+trace.depth = 100
+light.lamp.position = [0, 1, 0]
+material.mirror = { color = 0.1, reflection = 0.9 }
+[object.before]
+shape = "quad"
+points = [[-9, -9, -1], [9, -9, -1], [9, 9, -1], [-9, 9, -1]]
+material = "mirror"
+[object.behind]
+shape = "quad"
+points = [[-9, -9, 1], [9, -9, 1], [9, 9, 1], [-9, 9, 1]]
+material = "mirror"
+"#;
+
 /// Rays beyond 64 levels stand in a list with the number of their parent.
 #[test]
 fn deep_trees_are_flat_at_the_end() {
-    let scene = scene("facing-mirrors", [16, 12], &["trace.depth=100"]);
-    let (found, value) = all(&scene)
-        .into_iter()
-        .map(|e| (e.trace.rays.len(), serde_json::to_value(&e).expect("JSON")))
-        .max_by_key(|(rays, _)| *rays)
-        .expect("pixels");
-    assert!(found > 100, "{found} rays");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mirrors.toml");
+    std::fs::write(&path, TO_AND_FRO).expect("writable");
+    let scene = scene(&path.to_string_lossy(), [15, 15], &[]);
+    let explained = explained(&scene, 7, 7);
+    let value = serde_json::to_value(&explained).expect("JSON");
+    let rays = &explained.trace.rays;
+    assert_eq!(rays.len(), 101);
     assert_eq!(levels(&value["trace"]), 64);
     let deeper = value["trace"]["deeper"].as_array().expect("a list");
+    assert_eq!(deeper.len(), 101 - 64);
     assert_eq!(
-        deeper[0]["parent"],
-        deeper[0]["id"].as_u64().map_or(0, |id| id - 1)
+        (&deeper[0]["id"], &deeper[0]["parent"]),
+        (&64.into(), &63.into())
     );
     let last = deeper.last().expect("not empty");
-    assert_eq!(last["id"].as_u64(), Some(found as u64 - 1));
-    assert_eq!(last["kind"], "reflection");
-    assert_eq!(last["depth_reached"], true);
+    assert_eq!(
+        (&last["kind"], &last["depth_reached"]),
+        (&"reflection".into(), &true.into())
+    );
+    // 0.9 a bounce: a geometric series.
+    let local = rays[0].terms.lights[0].diffuse[0] + rays[0].terms.ambient[0];
+    assert!(local > 0.0 && (rays[100].weight[0] - 0.9f64.powi(100)).abs() < 1e-15);
 }
 
 /// A ray of the caller's that is a pixel's own brings the same light; from elsewhere, what a camera there would see.

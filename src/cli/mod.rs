@@ -8,6 +8,7 @@ mod check;
 mod commands;
 mod compare;
 mod diagnostic;
+mod explain;
 mod inspect;
 mod lecture;
 #[cfg(feature = "opengl")]
@@ -70,6 +71,9 @@ enum Command {
     /// Render with both renderers and explain every difference, into a folder
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Explain one pixel: the equation with its numbers, and the ray tree
+    #[command(after_long_help = explain::EXAMPLES)]
+    Explain(explain::ExplainArgs),
     /// Check one's own picture of a scene: is it right, and if not, which mistake explains it?
     #[command(after_long_help = check::EXAMPLES)]
     Check(check::CheckArgs),
@@ -156,6 +160,7 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
+        Command::Explain(args) => explain::explain(args, verbosity).map(done),
         Command::Check(args) => check::check(args, verbosity),
         Command::Trade(args) => trade::trade(args, verbosity).map(done),
         Command::Inspect(args) => inspect::inspect(args).map(done),

@@ -166,8 +166,15 @@ impl Explainer<'_> {
     /// itself, starts in air and knows no near and far plane.
     ///
     /// # Errors
-    /// What the tracer refuses.
+    /// [`Error::Parameter`] for numbers that make no ray, and what the tracer refuses.
     pub fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
+        let finite = |v: Vector| v.iter().all(|x| x.is_finite());
+        if !finite(origin) || !finite(direction) || direction == [0.0; 3] {
+            let message = format!(
+                "from {origin:?} along {direction:?}: expected finite numbers and a direction that is not zero"
+            );
+            return Err(Error::parameter("ray", message));
+        }
         match &self.bench {
             Bench::F32(plans) => plans.along(origin, direction),
             Bench::F64(plans) => plans.along(origin, direction),

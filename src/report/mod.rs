@@ -10,6 +10,7 @@
 //! - [`checked`]: somebody's own picture beside the mistaken and the right one.
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
 //!   sentences with symbols in them.
+//! - [`pixel`]: one pixel explained, as text, figure and ray paths.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
@@ -31,6 +32,7 @@ pub mod palette;
 #[cfg(feature = "opengl")]
 pub mod peer;
 pub mod picture;
+pub mod pixel;
 pub mod prose;
 mod sections;
 pub mod summary;

@@ -1,8 +1,8 @@
 //! The conformance adapter: answers reference cases by calling the functions that the renderers call.
 //!
 //! `probe cases --cases FILE.json[.gz] --precision f32|f64`, `probe gl-lights --precision f32|f64 < light-cases.jsonl`,
-//! `probe lighting < cases.jsonl`, `probe requirements < requirements.json`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`,
-//! `probe lighting-bench ROW TIMES`. Answers go to
+//! `probe lighting < cases.jsonl`, `probe trace < rays.jsonl`, `probe requirements < requirements.json`,
+//! `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`, `probe lighting-bench ROW TIMES`. Answers go to
 //! standard output, one JSON value a line, those of `gl-scene` to files; errors to standard error, exit code 2.
 
 mod gl_lights;
@@ -11,6 +11,7 @@ mod lighting_bench;
 mod numerics;
 mod rays;
 mod requirements;
+mod trace;
 
 use std::io::{Read, Write};
 use std::process::ExitCode;
@@ -24,6 +25,7 @@ const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f
        probe gl-lights --precision f32|f64 < light-cases.jsonl
        probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12|exact]
        probe lighting < cases.jsonl
+       probe trace [--precision f32|f64] < rays.jsonl
        probe requirements < requirements.json
        probe lighting-bench ROW TIMES";
 
@@ -40,8 +42,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: &[String]) -> Result<(), Failure> {
     let command = arguments.first().map_or("", String::as_str);
-    if command == "gl-scene" {
-        return gl_scene(arguments);
+    match command {
+        "gl-scene" => return gl_scene(arguments),
+        "trace" => return trace(arguments),
+        _ => {}
     }
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match (command, precision(arguments)?) {
@@ -68,6 +72,22 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     out.flush()?;
     Ok(())
+}
+
+/// Traces the rays of standard input; those that cannot be traced are told in their lines, and at the end.
+fn trace(arguments: &[String]) -> Result<(), Failure> {
+    let precision = match precision(arguments)? {
+        Precision::F32 => rastray::explain::Precision::F32,
+        Precision::F64 => rastray::explain::Precision::F64,
+    };
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    let good = trace::answer(std::io::stdin().lock(), precision, &mut out)?;
+    out.flush()?;
+    if good {
+        Ok(())
+    } else {
+        Err("some rays could not be traced: see their lines".into())
+    }
 }
 
 /// Draws a scene into the files of a prefix; f32, as OpenGL computes, unless told otherwise.
