@@ -1,9 +1,8 @@
-//! The tracer against closed forms, brute force, and the numerics cases.
-//!
-//! Most pictures here are one pixel: an orthographic camera whose single ray is known exactly. Where a ray goes is read
-//! from an emissive floor or wall of two tiles whose border stands a hair before, or a hair behind, the place that the
-//! formula gives: the two pictures must show different tiles.
+//! The tracer against brute force, the numerics cases, and laws that every picture obeys; `tests/whitted.rs` holds it to
+//! closed forms. Most pictures here are one pixel: an orthographic camera whose single ray is known exactly.
 
+#[path = "common/scale.rs"]
+mod scale;
 // The conformance adapter's answers to the cases that rays decide.
 #[path = "probe/rays.rs"]
 mod rays;
@@ -16,20 +15,19 @@ use rastray::math::{DAffine3, DMat3, DVec3};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
 use rastray::scene::{
-    Camera, Fresnel, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics,
-    Projection, Scene, Shadow, Shape, Tir,
+    Camera, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics, Projection, Scene,
+    Shape,
 };
 use rastray::trace::build::Bounds;
 use rastray::trace::bvh::{Bvh, Walker};
 use rastray::trace::planar::Shear;
 use rastray::trace::ray::Ray;
 use rastray::trace::{Counters, Geometry, Options, Plan};
+use scale::scaled;
 use serde_json::Value;
 use std::sync::Arc;
 
 type Failure = Box<dyn std::error::Error>;
-
-const HAIR: f64 = 1e-9;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -79,15 +77,6 @@ fn glowing(scene: &mut Scene, e: f64) -> usize {
     material(scene, front, Optics::default())
 }
 
-fn glass(scene: &mut Scene, ior: f64) -> usize {
-    let optics = Optics {
-        transmission: [1.0; 3],
-        ior,
-        ..Optics::default()
-    };
-    material(scene, black(), optics)
-}
-
 fn add(scene: &mut Scene, shape: Shape, materials: &[usize]) -> usize {
     scene.objects.push(Object {
         name: format!("o{}", scene.objects.len()),
@@ -111,20 +100,6 @@ fn add_mesh(scene: &mut Scene, mesh: Mesh, material: usize) {
 
 fn sphere(center: DVec3, radius: f64) -> Shape {
     Shape::Sphere { center, radius }
-}
-
-/// A wall at z, facing +z, dark where x < border and bright beyond (reaching 100 to all sides).
-fn wall(scene: &mut Scene, z: f64, border: f64) {
-    let (dark, bright) = (glowing(scene, 0.25), glowing(scene, 0.75));
-    let corner = v(border - 100.0, -100.0, z);
-    let (edge_u, edge_v, tiles) = (v(200.0, 0.0, 0.0), v(0.0, 200.0, 0.0), [2, 1]);
-    let shape = Shape::Patch {
-        corner,
-        edge_u,
-        edge_v,
-        tiles,
-    };
-    add(scene, shape, &[dark, bright]);
 }
 
 fn light(scene: &mut Scene, position: [f64; 4]) {
@@ -161,223 +136,6 @@ fn seen(scene: &Scene) -> f64 {
     frame.color.data[0][1]
 }
 
-/// Asserts that `scene(border)` sees a wall exactly at x = `expected`.
-fn assert_border(expected: f64, scene: impl Fn(f64) -> Scene) {
-    assert_eq!(seen(&scene(expected + HAIR)), 0.25, "left of {expected}");
-    assert_eq!(seen(&scene(expected - HAIR)), 0.75, "right of {expected}");
-}
-
-// ---- Outlines, mirrors, glass ------------------------------------------------------------------------------------
-
-#[test]
-fn a_sphere_is_seen_under_asin_r_over_d() {
-    let (r, d) = (1.25, 7.0);
-    let half = libm::asin(r / d);
-    for (step, hit) in [(-1e-12, true), (1e-12, false)] {
-        let (s, c) = libm::sincos(half + step);
-        let mut scene = one_ray(v(0.0, 0.0, d), v(s, 0.0, d - c));
-        let m = glowing(&mut scene, 1.0);
-        add(&mut scene, sphere(DVec3::ZERO, r), &[m]);
-        assert_eq!(seen(&scene), if hit { 1.0 } else { 0.0 });
-    }
-}
-
-/// e + k e + k^2 e + ... over m + 1 mirrors (whitted.md 5).
-#[test]
-fn facing_mirrors_sum_a_geometric_series() {
-    let (e, k) = (0.25, 0.5);
-    for depth in [0, 1, 2, 5, 40] {
-        let mut scene = one_ray(DVec3::ZERO, v(0.3, 0.1, -1.0));
-        let front = gl::Material {
-            emission: [e; 3],
-            ..black()
-        };
-        let optics = Optics {
-            reflection: [k; 3],
-            ..Optics::default()
-        };
-        let m = material(&mut scene, front, optics);
-        for z in [-1.0, 1.0] {
-            let shape = Shape::Patch {
-                corner: v(-1e4, -1e4, z),
-                edge_u: v(2e4, 0.0, 0.0),
-                edge_v: v(0.0, 2e4, 0.0),
-                tiles: [1, 1],
-            };
-            add(&mut scene, shape, &[m]);
-        }
-        scene.trace.depth = depth;
-        let expected = e * (1.0 - libm::pow(k, f64::from(depth) + 1.0)) / (1.0 - k);
-        assert_eq!(seen(&scene), expected, "depth {depth}");
-        // A cut-off of k^2 and a hair keeps the generations of weight 1 and k.
-        scene.trace.weight_cutoff = k * k + HAIR;
-        let kept = e * (1.0 + if depth > 0 { k } else { 0.0 });
-        assert_eq!(seen(&scene), kept);
-    }
-}
-
-#[test]
-fn a_mirror_shows_what_stands_at_the_mirrored_place() {
-    // Floor mirror y = 0; the ray comes down at 45 degrees from (-1, 1, 0), so it meets the wall x = 3 at y = 3.
-    let scene = |border: f64| {
-        let mut scene = one_ray(v(0.0, 2.0, 2.0), v(0.5, 0.0, 0.0));
-        let optics = Optics {
-            reflection: [1.0; 3],
-            ..Optics::default()
-        };
-        let m = material(&mut scene, black(), optics);
-        let shape = Shape::Patch {
-            corner: v(-9.0, 0.0, -9.0),
-            edge_u: v(0.0, 0.0, 18.0),
-            edge_v: v(18.0, 0.0, 0.0),
-            tiles: [1, 1],
-        };
-        add(&mut scene, shape, &[m]);
-        wall(&mut scene, -6.0, border);
-        scene
-    };
-    // Down by 2 over (0.5, -2): on by 6 in z, 3 times as far: x = 0.5 + 3 * 0.5.
-    assert_border(2.0, scene);
-}
-
-/// t sin(i) (1 - cos(i) / sqrt(n^2 - sin^2(i))) (whitted.md 5).
-#[test]
-fn a_slab_displaces_a_ray_and_keeps_its_direction() {
-    for (n, degrees) in [(1.5, 30.0f64), (1.33, 70.0), (2.4, 5.0), (1.0, 45.0)] {
-        let (sin, cos) = libm::sincos(f64::to_radians(degrees));
-        let thickness = 2.0;
-        let scene = |border: f64| {
-            let mut scene = one_ray(v(-3.0 * sin, 0.0, 3.0 * cos), DVec3::ZERO);
-            let m = glass(&mut scene, n);
-            let (min, max) = (v(-50.0, -50.0, -thickness), v(50.0, 50.0, 0.0));
-            add(&mut scene, Shape::Box { min, max }, &[m]);
-            wall(&mut scene, -5.0, border);
-            scene
-        };
-        let offset = thickness * sin * (1.0 - cos / (n * n - sin * sin).sqrt());
-        // The offset is square to the ray: along x it is offset / cos(i).
-        assert_border(5.0 * sin / cos - offset / cos, scene);
-    }
-}
-
-#[test]
-fn refraction_by_a_ball_and_by_a_hollow_ball() {
-    // A ray at distance b from the centre keeps distance b on leaving; each interface turns it by i - r.
-    let (n, inner) = (1.5, 0.6);
-    for (b, hollow) in [
-        (0.3, false),
-        (0.5, false),
-        (0.3, true),
-        (0.55, true),
-        (0.8, true),
-    ] {
-        let b: f64 = b;
-        let scene = |border: f64| {
-            let mut scene = one_ray(v(b, 0.0, 5.0), v(b, 0.0, 0.0));
-            let m = glass(&mut scene, n);
-            add(&mut scene, sphere(DVec3::ZERO, 1.0), &[m]);
-            if hollow {
-                let air = glass(&mut scene, 1.0);
-                add(&mut scene, sphere(DVec3::ZERO, inner), &[air]);
-            }
-            wall(&mut scene, -4.0, border);
-            scene
-        };
-        let mut turn = libm::asin(b) - libm::asin(b / n);
-        if hollow && b / n < inner {
-            // From glass, distance b / n, into air of radius `inner`, distance b there; beyond it, total reflection.
-            if b >= inner {
-                assert_eq!(seen(&scene(0.0)), 0.0);
-                continue;
-            }
-            turn += libm::asin(b / n / inner) - libm::asin(b / inner);
-        }
-        let turn = 2.0 * turn;
-        // Leaving line: direction (-sin, -cos) in (x, z), at distance b from the centre on the same side.
-        let (sin, cos) = libm::sincos(turn);
-        let foot = (b * cos, -b * sin);
-        let reach = (foot.1 + 4.0) / cos;
-        assert_border(foot.0 - reach * sin, scene);
-    }
-}
-
-/// Into the top of a block with index n, then against its side: total iff sin(i) < sqrt(n^2 - 1).
-#[test]
-fn total_internal_reflection_starts_at_the_critical_angle() {
-    let n = 1.2f64;
-    let critical = libm::asin((n * n - 1.0).sqrt());
-    for (step, total) in [(-1e-7, true), (1e-7, false)] {
-        for tir in [Tir::None, Tir::Reflect] {
-            let (sin, cos) = libm::sincos(critical + step);
-            let mut scene = one_ray(v(-0.1 - sin, cos, 0.0), v(-0.1, 0.0, 0.0));
-            scene.image.background = [0.5; 3];
-            let m = glass(&mut scene, n);
-            let (min, max) = (v(-9.0, -9.0, -9.0), v(0.0, 0.0, 9.0));
-            add(&mut scene, Shape::Box { min, max }, &[m]);
-            scene.trace.tir = tir;
-            // Reflected, the ray runs down to the bottom face and leaves there into the background.
-            let expected = if total && tir == Tir::None { 0.0 } else { 0.5 };
-            assert_eq!(seen(&scene), expected, "{step} {tir:?}");
-            if total {
-                scene.trace.depth = 1;
-                assert_eq!(seen(&scene), 0.0);
-            }
-        }
-    }
-}
-
-#[test]
-fn thin_surfaces_pass_straight_on_and_enter_nothing() {
-    let scene = |border: f64| {
-        let mut scene = one_ray(v(-1.0, 0.0, 2.0), v(0.0, 0.0, 0.0));
-        let optics = Optics {
-            transmission: [1.0; 3],
-            ior: 2.0,
-            thin: true,
-            ..Optics::default()
-        };
-        let m = material(&mut scene, black(), optics);
-        add(&mut scene, sphere(DVec3::ZERO, 0.5), &[m]);
-        wall(&mut scene, -4.0, border);
-        scene
-    };
-    assert_border(2.0, scene);
-}
-
-#[test]
-fn fresnel_shares_k_t_between_mirror_and_glass() {
-    for (model, expected) in [
-        (Fresnel::Off, 0.0),
-        (Fresnel::Dielectric, 0.04),
-        (Fresnel::Schlick, 0.04),
-    ] {
-        let mut scene = one_ray(v(0.0, 0.0, 2.0), DVec3::ZERO);
-        scene.image.background = [1.0; 3];
-        let optics = Optics {
-            transmission: [0.5; 3],
-            ior: 1.5,
-            fresnel: model,
-            ..Optics::default()
-        };
-        let m = material(&mut scene, black(), optics);
-        add(&mut scene, sphere(DVec3::ZERO, 1.0), &[m]);
-        scene.trace.depth = 1;
-        let asked = Options {
-            layers: true,
-            ..options(&scene)
-        };
-        let (frame, _) = try_draw::<f64>(&scene, Geometry::Exact, &asked).unwrap();
-        let layers = frame.layers.unwrap();
-        let at = |name: &str| {
-            let k = layers.names.iter().position(|n| n == name).unwrap();
-            layers.planes[k].data[0][0]
-        };
-        // One generation: the mirror ray sees the background, the transmitted one the black inside of the ball.
-        assert!((at("reflection") - 0.5 * expected).abs() < 1e-15);
-        assert_eq!(at("refraction"), 0.0);
-    }
-}
-
 // ---- Shadows -----------------------------------------------------------------------------------------------------
 
 /// A white floor y = 0 looked at straight down at (x, z); 0 where it is in shadow.
@@ -392,82 +150,6 @@ fn floor_at(x: f64, z: f64) -> Scene {
     };
     add(&mut scene, shape, &[white]);
     scene
-}
-
-#[test]
-fn a_point_lights_shadow_of_a_ball_ends_where_the_tangent_cone_does() {
-    let (height, center, r) = (5.0, 2.0, 1.0);
-    let radius = height * libm::tan(libm::asin(r / (height - center)));
-    for angle in [0.0f64, 1.0, 4.0] {
-        for (step, lit) in [(-HAIR, false), (HAIR, true)] {
-            let (s, c) = libm::sincos(angle);
-            let mut scene = floor_at((radius + step) * c, (radius + step) * s);
-            add(&mut scene, sphere(v(0.0, center, 0.0), r), &[0]);
-            light(&mut scene, [0.0, height, 0.0, 1.0]);
-            assert_eq!(seen(&scene) > 0.0, lit);
-        }
-    }
-}
-
-#[test]
-fn only_what_lies_between_blocks() {
-    // A small plate over the point; the light below, in, or above it; or directional.
-    let lit = |light_at: [f64; 4], plate: f64| {
-        let mut scene = floor_at(0.0, 0.0);
-        let shape = Shape::Patch {
-            corner: v(-1.0, plate, -1.0),
-            edge_u: v(0.0, 0.0, 2.0),
-            edge_v: v(2.0, 0.0, 0.0),
-            tiles: [1, 1],
-        };
-        add(&mut scene, shape, &[0]);
-        light(&mut scene, light_at);
-        seen(&scene) > 0.0
-    };
-    assert!(!lit([0.0, 4.0, 0.0, 1.0], 3.0));
-    assert!(lit([0.0, 4.0, 0.0, 1.0], 5.0));
-    assert!(
-        lit([0.0, 4.0, 0.0, 1.0], 4.0),
-        "a surface at the light is not between"
-    );
-    assert!(
-        lit([0.0, 4.0, 0.0, 1.0], -1.0),
-        "nor is one behind the point"
-    );
-    assert!(!lit([0.0, 1.0, 0.0, 0.0], 1e9));
-    assert!(lit([0.0, 1.0, 0.0, 0.0], -1.0));
-    assert!(!lit([0.0, 8.0, 0.0, 2.0], 3.9), "w divides");
-}
-
-#[test]
-fn filtered_shadows_multiply_k_t_once_a_crossing() {
-    let through = |shadow: Shadow, ball: bool, k: f64| {
-        let mut scene = floor_at(0.0, 0.0);
-        let optics = Optics {
-            transmission: [k; 3],
-            ..Optics::default()
-        };
-        let m = material(&mut scene, black(), optics);
-        let plate = Shape::Patch {
-            corner: v(-1.0, 2.0, -1.0),
-            edge_u: v(0.0, 0.0, 2.0),
-            edge_v: v(2.0, 0.0, 0.0),
-            tiles: [1, 1],
-        };
-        let shape = if ball {
-            sphere(v(0.0, 2.0, 0.0), 1.0)
-        } else {
-            plate
-        };
-        add(&mut scene, shape, &[m]);
-        light(&mut scene, [0.0, 9.0, 0.0, 1.0]);
-        scene.trace.shadow = shadow;
-        seen(&scene)
-    };
-    assert_eq!(through(Shadow::Opaque, true, 0.5), 0.0);
-    assert_eq!(through(Shadow::Filtered, false, 0.5), 0.8 * 0.5);
-    assert_eq!(through(Shadow::Filtered, true, 0.5), 0.8 * 0.25);
-    assert_eq!(through(Shadow::Filtered, true, 0.0), 0.0);
 }
 
 #[test]
@@ -729,52 +411,6 @@ fn threads_and_tiles_change_no_byte() {
     }
 }
 
-fn scaled(mut shape: Shape, k: f64) -> Shape {
-    match &mut shape {
-        Shape::Sphere { center, radius } | Shape::Disk { center, radius, .. } => {
-            *center *= k;
-            *radius *= k;
-        }
-        Shape::Box { min, max } => {
-            *min *= k;
-            *max *= k;
-        }
-        Shape::Patch {
-            corner,
-            edge_u,
-            edge_v,
-            ..
-        } => [corner, edge_u, edge_v].into_iter().for_each(|x| *x *= k),
-        Shape::Cylinder {
-            base, top, radius, ..
-        } => {
-            *base *= k;
-            *top *= k;
-            *radius *= k;
-        }
-        Shape::Cone {
-            base, apex, radius, ..
-        } => {
-            *base *= k;
-            *apex *= k;
-            *radius *= k;
-        }
-        Shape::Torus {
-            center,
-            major,
-            minor,
-            ..
-        } => {
-            *center *= k;
-            *major *= k;
-            *minor *= k;
-        }
-        Shape::Revolution { .. } => panic!("tests/revolution.rs scales surfaces of revolution"),
-        Shape::Bezier { points, .. } => *points = points.iter().map(|p| *p * k).collect(),
-    }
-    shape
-}
-
 #[test]
 fn scaling_by_powers_of_two_changes_no_bit() {
     let reference = busy();
@@ -783,24 +419,7 @@ fn scaling_by_powers_of_two_changes_no_bit() {
         try_draw::<f32>(&reference, Geometry::Exact, &options(&reference)).unwrap();
     for power in [-20, -3, 5, 26] {
         let k = libm::exp2(f64::from(power));
-        let mut scene = reference.clone();
-        scene.camera.eye *= k;
-        scene.camera.target *= k;
-        scene.camera.near *= k;
-        for object in &mut scene.objects {
-            object.world_from_object.translation *= k;
-            object.geometry = match &object.geometry {
-                Form::Shape(shape) => Form::Shape(scaled(shape.clone(), k)),
-                Form::Mesh(mesh) => {
-                    let mut mesh = (**mesh).clone();
-                    mesh.positions.iter_mut().for_each(|p| *p *= k);
-                    Form::Mesh(Arc::new(mesh))
-                }
-            };
-        }
-        for axis in 0..3 {
-            scene.lights[0].source.position[axis] *= k;
-        }
+        let scene = scaled(&reference, k);
         let (frame, _) = try_draw::<f32>(&scene, Geometry::Mesh, &options(&scene)).unwrap();
         assert_eq!(frame.color, expected.color, "2^{power}, mesh");
         let (frame, _) = try_draw::<f32>(&scene, Geometry::Exact, &options(&scene)).unwrap();

@@ -80,8 +80,13 @@ pub struct Foot {
 }
 
 impl Foot {
+    /// The bound of the point's distance from the surface: 8u (|n|.|p| + scale).
+    pub(super) fn bound(&self) -> f64 {
+        4.0 * f64::EPSILON * (self.normal.abs().dot(self.point.abs()) + self.scale)
+    }
+
     /// The origin of a ray that leaves the point in a direction: moved along the normal, to the side the ray goes to,
-    /// by 8u (|n|.|p| + scale), then each component one step further (NUMERICS 2, "Spawned rays").
+    /// by [`Self::bound`], then each component one step further (NUMERICS 2, "Spawned rays").
     ///
     /// ```
     /// use rastray::{math::DVec3, trace::ray::Foot};
@@ -95,8 +100,7 @@ impl Foot {
         } else {
             self.normal
         };
-        let bound = 4.0 * f64::EPSILON * (side.abs().dot(self.point.abs()) + self.scale);
-        let moved = (self.point + side * bound).to_array();
+        let moved = (self.point + side * self.bound()).to_array();
         let mut origin = [0.0; 3];
         for (i, (x, n)) in moved.into_iter().zip(side.to_array()).enumerate() {
             origin[i] = match n {

@@ -153,6 +153,36 @@ impl<'a, R: Real> Surfaces<'a, R> {
         (!stopped).then_some(found)
     }
 
+    /// The other surfaces that touch the one of a hit there, in the order in which the ray crosses them: those that a ray
+    /// leaving the hit would otherwise start beyond, and miss.
+    pub(super) fn touching(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        foot: &Foot,
+        walker: &mut Walker,
+    ) -> Vec<Site<R>> {
+        let per_t = foot.normal.dot(ray.direction).abs();
+        let near = Ray {
+            t_min: hit.t,
+            t_max: hit.t + 4.0 * foot.bound() / per_t,
+            ..*ray
+        };
+        let found = self.crossings(&near, walker, |_| true).unwrap_or_default();
+        let others = found
+            .iter()
+            .filter(|other| (other.item, other.feature) != (hit.item, hit.feature));
+        // Along a flat ray much is near: only what passes through the point itself touches.
+        let touches = |other: &Site<R>| {
+            let gap = (other.foot.point - foot.point).dot(other.foot.normal);
+            gap.abs() <= foot.bound() + other.foot.bound()
+        };
+        others
+            .map(|other| self.site(ray, other, None))
+            .filter(touches)
+            .collect()
+    }
+
     /// The nearest hit found by testing every primitive: what the hierarchy is held to.
     pub fn closest_hit_of_all(&self, ray: &Ray) -> Option<Hit> {
         let shear = Shear::new(ray.origin, ray.direction)?;

@@ -5,13 +5,13 @@
 //! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
 //! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
 
-use super::branch::{Branch, Fork, Path};
+use super::branch::{Branch, Fork, Path, Start};
 use super::bvh::Walker;
 use super::exact::unit;
 use super::faults::Normals;
 use super::inside::Inside;
 use super::media::{AIR, Media, MediaId};
-use super::ray::{NO_ITEM, Ray};
+use super::ray::{Hit, NO_ITEM, Ray};
 use super::record::Record;
 use super::shadow::Shadows;
 use super::sums::{Mean, Sums};
@@ -63,6 +63,8 @@ pub(super) struct Tile<'p, 'a, R> {
     signed: bool,
     walker: Walker,
     media: Media,
+    /// Of the wave at hand: the ray's number, and a surface that touches the one it met, in order.
+    touching: Vec<(u32, Site<R>)>,
     batches: Batches<R>,
     counters: Counters,
     sums: Sums<R>,
@@ -130,6 +132,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             signed,
             walker: Walker::default(),
             media: Media::new(),
+            touching: Vec::new(),
             batches: Batches::new(plan.scene.materials.len()),
             counters: Counters::default(),
             sums: Sums::new(pixels, index, options.layers, signed),
@@ -256,6 +259,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     /// One generation: hits, shading, sums; returns the rays of the next one.
     fn wave(&mut self, generation: u32, index: u32, paths: &[Path]) -> Result<Vec<Path>, Error> {
         self.batches.clear();
+        self.touching.clear();
         let mut sites = Vec::with_capacity(paths.len());
         for (i, path) in paths.iter().enumerate() {
             let site = self.meet(i as u32, path, index);
@@ -274,9 +278,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             return Ok(Vec::new());
         }
         let mut next = Vec::new();
-        for (i, (path, site)) in paths.iter().zip(&sites).enumerate() {
+        for (tag, (path, site)) in paths.iter().zip(&sites).enumerate() {
             if let Some(site) = site {
-                self.fork(i as u32, path, site, &mut next)?;
+                self.fork(tag as u32, path, site, &mut next)?;
             }
         }
         Ok(next)
@@ -302,12 +306,32 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
+        let site = self.settle(tag, path, &hit, site);
         let surface = self.enter(tag, path, &site);
         if let Some(length) = bent {
             let points = &mut self.batches.batch(surface).points;
             points.normal_length.push(R::from_f64(length));
         }
         Some(site)
+    }
+
+    /// What a ray meets where surfaces touch: the opaque one that the solid it is in stands on, else the one it met, and the
+    /// others that it passes with it are kept for [`Self::fork`].
+    fn settle(&mut self, tag: u32, path: &Path, hit: &Hit, site: Site<R>) -> Site<R> {
+        let materials = &self.plan.scene.materials;
+        let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
+        if self.options.depth == 0 || !self.wanted()[1] || !clear(&site) {
+            return site;
+        }
+        let surfaces = &self.plan.surfaces;
+        let others = surfaces.touching(&path.ray, hit, &site.foot, &mut self.walker);
+        let passed = others.iter().take_while(|other| clear(other)).count();
+        if passed < others.len() && self.media.hold(path.media, site.object) {
+            return others[passed];
+        }
+        let kept = others[..passed].iter().map(|other| (tag, *other));
+        self.touching.extend(kept);
+        site
     }
 
     /// Enters a hit for shading: which side faces the ray, and where the viewer is. Returns the number of the surface.
@@ -481,25 +505,35 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         site: &Site<R>,
         next: &mut Vec<Path>,
     ) -> Result<(), Error> {
-        let optics = &self.plan.scene.materials[site.material as usize].optics;
-        if !optics.is_mirror() && !optics.is_transmissive() {
+        let materials = &self.plan.scene.materials;
+        let optics = |site: &Site<R>| &materials[site.material as usize].optics;
+        let own = optics(site);
+        if !own.is_mirror() && !own.is_transmissive() {
             return Ok(());
         }
+        let first = self.touching.partition_point(|(t, _)| *t < tag);
+        let others = self.touching[first..].iter().take_while(|(t, _)| *t == tag);
+        let others = others.map(|(_, other)| other);
+        let start = |site: &Site<R>| Start {
+            foot: site.foot,
+            skip: site.skip,
+        };
+        let crossed = std::iter::once(site).chain(others.clone());
         let fork = Fork {
             path,
-            foot: &site.foot,
-            skip: site.skip,
+            start: start(site),
             normal_world: self.rotation.transpose() * DVec3::from_array(site.normal_eye),
-            object: site.object,
-            optics,
+            crossed: &crossed.map(|s| (s.object, optics(s))).collect::<Vec<_>>(),
+            beyond: others.fold(start(site), |at, other| at.then(start(other))),
+            optics: own,
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
             bends: self.plan.needs.has(Feature::Tir),
             faults: &self.plan.faults,
         };
-        let forked = fork.branches(&mut self.media);
+        let (forked, k_t) = (fork.branches(&mut self.media), fork.transmission());
         if let Some(record) = &mut self.record {
-            record.fork(tag, &forked, optics.transmission);
+            record.fork(tag, &forked, k_t);
         }
         let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());
