@@ -7,6 +7,7 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+mod extremes;
 mod inspect;
 mod lecture;
 #[cfg(feature = "opengl")]
@@ -152,7 +153,7 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
-        Command::Trade(args) => trade::trade(args, verbosity).map(done),
+        Command::Trade(args) => trade::trade(args, verbosity),
         Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),

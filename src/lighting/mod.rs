@@ -47,6 +47,7 @@ mod cone;
 mod light;
 mod parts;
 mod rig;
+mod rounded;
 mod scratch;
 mod tracked;
 mod vector;
@@ -59,6 +60,7 @@ pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 pub use rig::Rig;
+pub use rounded::Rounded;
 
 use crate::gl;
 use crate::lanes::{Isa, Real};

@@ -201,7 +201,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
         }
         let (columns, width) = (self.plan.grid.columns(), self.plan.grid.size[0]);
         let worker = || Worker {
-            workspace: Workspace::new(self.mode, self.plan.scene.materials.len()),
+            workspace: Workspace::new(self.mode, self.plan),
             sums: Sums::default(),
             places: Places::default(),
         };

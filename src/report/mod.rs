@@ -11,9 +11,11 @@
 //!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
+//! - [`atlas`]: the extremes atlas.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
+pub mod atlas;
 pub mod causes;
 pub mod deck;
 pub mod equation;

@@ -104,7 +104,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             signed,
             walker: Walker::default(),
             media: Media::new(),
-            batches: Batches::new(plan.scene.materials.len()),
+            batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
             counters: Counters::default(),
             sums: Sums::new(pixels, index, options.layers, signed),
             eye_rays: Vec::new(),
