@@ -19,7 +19,7 @@ pub enum Change {
     Scale(f64),
     /// The first point light at this distance before the surface in the picture's middle, scene units.
     LightDistance(f64),
-    /// One distant light, degrees above the horizontal.
+    /// One distant light, degrees above the horizontal, on surfaces that have some gloss.
     Grazing(f64),
     /// Near and far plane, scene units; an infinite far plane is none.
     NearFar(f64, f64),
@@ -27,7 +27,7 @@ pub enum Change {
     Squash(f64),
     /// The same, sheared: x grows by this much times y.
     Shear(f64),
-    /// The full vertical angle in degrees, around an outline near the picture's middle.
+    /// The full vertical angle in degrees, around a straight outline near the picture's middle.
     FieldOfView(f64),
     /// Triangles of this length over width.
     Needles(f64),
@@ -152,7 +152,10 @@ fn seen(surfaces: &Surfaces<'_, f64>, ray: &Ray) -> Option<(u32, f64)> {
 }
 
 fn light_distance(scene: &mut Scene, distance: f64) -> Result<(), Error> {
-    let ray = ray_through(scene, DVec2::splat(0.5));
+    // The middle of a pixel, so that some pixel shows the very place.
+    let middle = |n: u32| (f64::from(n / 2) + 0.5) / f64::from(n);
+    let image = &scene.image;
+    let ray = ray_through(scene, DVec2::new(middle(image.width), middle(image.height)));
     let place = with_surfaces(scene, |surfaces| {
         let hit = surfaces.closest_hit(&ray, &mut Walker::default())?;
         let foot = surfaces.site(&ray, &hit, None).foot;
@@ -175,6 +178,12 @@ fn grazing(scene: &mut Scene, degrees: f64) {
         // From the front and the left, so that both grounds and walls show it.
         light.source.position = [-0.8 * cos, sin, 0.6 * cos, 0.0];
         light.source.diffuse = [1.0; 3];
+    }
+    // Where light just does not reach, a highlight ends at once: the model's own jump, and the hardest place to decide.
+    for material in &mut scene.materials {
+        if material.front.specular == [0.0; 3] {
+            (material.front.specular, material.front.shininess) = ([0.3; 3], 5.0);
+        }
     }
 }
 
@@ -202,37 +211,58 @@ fn deform(scene: &mut Scene, matrix: DMat3) {
     }
 }
 
-/// A point on the outline of an object, near the picture's middle: found between two pixels, then by halving.
+/// A point on the outline of a flat object, near the picture's middle: found between two pixels, then by halving. Flat, so
+/// that triangles have the same outline as the true shape.
 fn outline(scene: &Scene) -> Result<DVec3, Error> {
     const STEPS: usize = 64;
     let found = with_surfaces(scene, |surfaces| {
         let at = |place: DVec2| seen(surfaces, &ray_through(scene, place));
-        let object = |place: DVec2| at(place).map(|(object, _)| object);
-        let column = |i: usize| (i as f64 + 0.5) / STEPS as f64;
-        let neighbours = (0..STEPS - 1).map(|i| [column(i), column(i + 1)]);
-        let pairs = neighbours.map(|x| x.map(|x| DVec2::new(x, 0.5)));
-        let mut outlines = pairs
-            .filter(|[a, b]| object(*a) != object(*b))
-            .collect::<Vec<_>>();
-        outlines.sort_by(|[a, _], [b, _]| (a.x - 0.5).abs().total_cmp(&(b.x - 0.5).abs()));
-        let [mut from, mut to] = *outlines.first()?;
-        let first = object(from);
+        let step = |i: usize| (i as f64 + 0.5) / STEPS as f64;
+        let along = |across: f64| {
+            let pairs = (0..STEPS - 1).map(|i| [step(i), step(i + 1)]);
+            pairs.flat_map(move |[a, b]| {
+                let row = [DVec2::new(a, across), DVec2::new(b, across)];
+                [row, [DVec2::new(across, a), DVec2::new(across, b)]]
+            })
+        };
+        let pairs = [0.5, 0.06, 0.94].into_iter().flat_map(along);
+        let outlines = pairs.filter_map(|[a, b]| {
+            let nearer = nearer([a, b], at)?;
+            let flat = is_flat(scene, nearer.1.0) && at(a).map(|s| s.0) != at(b).map(|s| s.0);
+            flat.then_some([a, b])
+        });
+        let off = |[a, _]: &[DVec2; 2]| (*a - DVec2::splat(0.5)).length();
+        let [mut from, mut to] = outlines.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let first = at(from).map(|seen| seen.0);
         for _ in 0..60 {
             let middle = 0.5 * (from + to);
-            if object(middle) == first {
+            if at(middle).map(|seen| seen.0) == first {
                 from = middle;
             } else {
                 to = middle;
             }
         }
-        // The nearer of the two is the one whose outline it is.
-        let hits = [from, to].map(|place| (ray_through(scene, place), at(place)));
-        let points = hits
-            .iter()
-            .filter_map(|(ray, hit)| hit.map(|(_, t)| (ray, t)));
-        points
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(ray, t)| ray.origin + t * ray.direction)
+        let (place, (_, t)) = nearer([from, to], at)?;
+        let ray = ray_through(scene, place);
+        Some(ray.origin + t * ray.direction)
     })?;
     Ok(found.unwrap_or(scene.camera.target))
+}
+
+/// The place that sees the nearer object of two, and what it sees: whose outline runs between them.
+fn nearer(
+    places: [DVec2; 2],
+    at: impl Fn(DVec2) -> Option<(u32, f64)>,
+) -> Option<(DVec2, (u32, f64))> {
+    let seen = places
+        .into_iter()
+        .filter_map(|place| Some((place, at(place)?)));
+    seen.min_by(|a, b| a.1.1.total_cmp(&b.1.1))
+}
+
+fn is_flat(scene: &Scene, object: u32) -> bool {
+    match &scene.objects[object as usize].geometry {
+        Geometry::Shape(shape) => shape.is_flat(),
+        Geometry::Mesh(_) => true,
+    }
 }

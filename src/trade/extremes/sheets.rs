@@ -89,8 +89,8 @@ pub(super) const SHEETS: &[SheetPlan] = &[
     SheetPlan {
         name: "grazing",
         title: "Grazing light",
-        text: "One distant light, this many degrees above the horizontal. At 0 the ground is neither lit nor not: n.l is 0, and \
-               what is 0 does not light.",
+        text: "One distant light, this many degrees above the horizontal, and a little gloss on everything. At 0 the ground's n.l is 0, \
+               and what is 0 does not light; a hair above, the whole highlight is there. The jump is the model's own.",
         scenes: &["14-shadow", "whitted"],
         changes: &[
             Change::Grazing(10.0),
@@ -139,7 +139,7 @@ pub(super) const SHEETS: &[SheetPlan] = &[
     SheetPlan {
         name: "field-of-view",
         title: "Field of view",
-        text: "The camera turns to an outline in the picture's middle and closes in, or opens. A view of a thousandth of a degree \
+        text: "The camera turns to a straight outline and closes in, or opens. A view of a thousandth of a degree \
                shows less of the scene than f32 can tell apart.",
         scenes: &["whitted", "07-diffuse"],
         changes: &[
