@@ -9,6 +9,7 @@ mod commands;
 mod compare;
 mod diagnostic;
 mod explain;
+mod extremes;
 mod inspect;
 mod lecture;
 #[cfg(feature = "opengl")]
@@ -162,7 +163,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Compare(args) => compare::compare(args, verbosity),
         Command::Explain(args) => explain::explain(args, verbosity).map(done),
         Command::Check(args) => check::check(args, verbosity),
-        Command::Trade(args) => trade::trade(args, verbosity).map(done),
+        Command::Trade(args) => trade::trade(args, verbosity),
         Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),

@@ -1,6 +1,7 @@
 //! `rastray trade`: speed against accuracy, measured.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Args;
 use rastray::error::Error;
@@ -12,11 +13,13 @@ use rastray::trade::truth::{Truth, silhouette};
 
 use super::args::SceneArgs;
 use super::commands;
+use super::extremes::extremes;
 use super::options::Verbosity;
 
 /// Examples of the long help.
 pub(super) const EXAMPLES: &str = "Examples:
-  rastray trade whitted --size 48x36 --budget 1";
+  rastray trade whitted --size 48x36 --budget 1
+  rastray trade --extremes                    what holds at the ends of the numbers, as a page";
 
 #[derive(Debug, Args)]
 pub(super) struct TradeArgs {
@@ -36,6 +39,9 @@ pub(super) struct TradeArgs {
     /// Seconds to spend; a run with the same scene goes on where the last one ended
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub(super) budget: f64,
+    /// Instead of a scene: shipped scenes with every input at its extremes, f32 against f64, into extremes/
+    #[arg(long, conflicts_with_all = ["scene", "sets", "budget"])]
+    pub(super) extremes: bool,
 }
 
 impl TradeArgs {
@@ -54,7 +60,11 @@ impl TradeArgs {
 }
 
 /// Runs the command.
-pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<(), Error> {
+pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
+    if args.extremes {
+        let size = args.size.as_deref().map(super::options::parse_size);
+        return extremes(args.output.as_deref(), size.transpose()?, verbosity);
+    }
     let mut imported = commands::load(&args.scene()?, &[], verbosity)?;
     if let Some(size) = &args.size {
         let (width, height) = super::options::parse_size(size)?;
@@ -71,5 +81,6 @@ pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<(), Error>
         let accuracy = Accuracy::of(&drawn.color, &truth.color, &mask, 0.0);
         text += &format!("{:30} rmse {:.3e}\n", setting.name(), accuracy.all.rmse);
     }
-    commands::print(&text)
+    commands::print(&text)?;
+    Ok(ExitCode::SUCCESS)
 }

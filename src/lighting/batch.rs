@@ -1,6 +1,7 @@
 //! Points sorted by surface, so that each batch has one material: how both renderers hand fragments to the equation.
 
 use super::Points;
+use super::rounded::{Rounded, round_if};
 use crate::lanes::Real;
 
 /// Number of a surface: a material and the side it is seen from (the back side has its own number under two-sided
@@ -26,6 +27,8 @@ pub struct Batches<R> {
     list: Vec<Batch<R>>,
     used: usize,
     slot_of_surface: Vec<u32>,
+    /// What is rounded to f32 on the way in: nothing, but to measure what that does.
+    pub(super) rounded: Rounded,
 }
 
 const UNUSED: u32 = u32::MAX;
@@ -37,6 +40,7 @@ impl<R: Real> Batches<R> {
             list: Vec::new(),
             used: 0,
             slot_of_surface: vec![UNUSED; 2 * materials],
+            rounded: Rounded::default(),
         }
     }
 
@@ -49,8 +53,13 @@ impl<R: Real> Batches<R> {
         normal: [R; 3],
         viewer: [R; 3],
     ) {
+        let rounded = self.rounded;
         let batch = self.batch(surface);
-        batch.points.push(position, normal, viewer);
+        batch.points.push(
+            round_if(rounded.positions, position),
+            round_if(rounded.normals, normal),
+            round_if(rounded.viewers, viewer),
+        );
         batch.tags.push(tag);
     }
 

@@ -49,6 +49,7 @@ mod faults;
 mod light;
 mod parts;
 mod rig;
+mod rounded;
 mod scratch;
 mod tracked;
 mod vector;
@@ -63,6 +64,7 @@ pub use cone::Cone;
 pub use faults::{Early, Faults};
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 pub use rig::Rig;
+pub use rounded::Rounded;
 
 use crate::gl;
 use crate::lanes::{Isa, Real};

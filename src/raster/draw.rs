@@ -247,7 +247,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
 
     fn worker(&self) -> Worker<R> {
         Worker {
-            workspace: Workspace::new(self.mode, self.plan.scene.materials.len()),
+            workspace: Workspace::new(self.mode, self.plan),
             sums: Sums::default(),
             places: Places::default(),
         }

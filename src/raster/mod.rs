@@ -57,7 +57,7 @@ use crate::error::Error;
 use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
-use crate::lighting::{self, Rig};
+use crate::lighting::{self, Rig, Rounded};
 use crate::sampling::{self, Pattern};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
@@ -145,6 +145,7 @@ pub struct Plan<'a, R> {
     scene: &'a Scene,
     assembly: &'a Assembly<R>,
     rig: Rig<R>,
+    rounded: Rounded,
     /// Back faces are lit apart: asked for by the light model, and seen in some product.
     two_sided: bool,
     /// Some term looks at normals.
@@ -206,6 +207,7 @@ impl<'a, R: Real> Plan<'a, R> {
             scene,
             assembly,
             rig: Rig::planned(&scene.lights_eye(), light_model, needs),
+            rounded: Rounded::default(),
             two_sided: light_model.two_sided && needs.has(Feature::TwoSide),
             normals: needs.has(Feature::Normal),
             viewers: light_model.local_viewer && needs.has(Feature::ViewVector),
@@ -234,6 +236,15 @@ impl<'a, R: Real> Plan<'a, R> {
             faults,
             ..self
         }
+    }
+
+    /// The same plan, with inputs of the equation rounded to f32: to measure what that does to a picture in f64. The
+    /// assembly's own numbers stay the caller's affair.
+    #[must_use]
+    pub fn rounding(mut self, rounded: Rounded) -> Self {
+        self.rig = self.rig.rounding(rounded);
+        self.rounded = rounded;
+        self
     }
 
     /// Draws the picture.

@@ -115,8 +115,8 @@ pub(super) struct Workspace<R> {
 }
 
 impl<R: Real> Workspace<R> {
-    /// Empty, for a scene with this many materials.
-    pub(super) fn new(mode: &Mode, materials: usize) -> Self {
+    /// Empty, for a plan.
+    pub(super) fn new(mode: &Mode, plan: &Plan<'_, R>) -> Self {
         Self {
             visibility: Visibility::new(),
             shown: Shown::new(mode),
@@ -126,7 +126,7 @@ impl<R: Real> Workspace<R> {
             record: None,
             slots: SlotMap::new(),
             output: Output::default(),
-            batches: Batches::new(materials),
+            batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
         }
     }
 

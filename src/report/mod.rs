@@ -13,9 +13,11 @@
 //! - [`pixel`]: one pixel explained, as text, figure and ray paths.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
+//! - [`atlas`]: the extremes atlas.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
+pub mod atlas;
 pub mod causes;
 pub mod checked;
 pub mod deck;

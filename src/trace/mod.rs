@@ -79,7 +79,7 @@ use crate::error::Error;
 use crate::frame::{Frame, LayerIndex, Layers};
 use crate::gl;
 use crate::lanes::{Isa, Real};
-use crate::lighting::{self, Rig};
+use crate::lighting::{self, Rig, Rounded};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
@@ -218,6 +218,7 @@ pub struct Plan<'a, R> {
     surfaces: Arc<Surfaces<'a, R>>,
     inside: Inside,
     rig: Rig<R>,
+    rounded: Rounded,
     /// The enabled lights: places in the world, and GL parameters in eye space.
     lamps: Vec<Lamp>,
     sources: Vec<gl::LightSource>,
@@ -277,6 +278,7 @@ impl<'a, R: Real> Plan<'a, R> {
             surfaces,
             inside: Inside::new(scene),
             rig: Rig::planned(&sources, &scene.light_model, &needs),
+            rounded: Rounded::default(),
             lamps: lamps(scene),
             sources,
             needs,
@@ -305,6 +307,15 @@ impl<'a, R: Real> Plan<'a, R> {
             faults,
             ..self
         }
+    }
+
+    /// The same plan, with inputs of the equation rounded to f32: to measure what that does to a picture in f64. The
+    /// assembly's own numbers stay the caller's affair.
+    #[must_use]
+    pub fn rounding(mut self, rounded: Rounded) -> Self {
+        self.rig = self.rig.rounding(rounded);
+        self.rounded = rounded;
+        self
     }
 
     /// How long the hierarchy took to build, in seconds. Kept apart from [`Counters`], which repeat.

@@ -133,7 +133,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             walker: Walker::default(),
             media: Media::new(),
             touching: Vec::new(),
-            batches: Batches::new(plan.scene.materials.len()),
+            batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
             counters: Counters::default(),
             sums: Sums::new(pixels, index, options.layers, signed),
             eye_rays: Vec::new(),

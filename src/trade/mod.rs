@@ -13,12 +13,14 @@
 //! | `cost` | operation counts, and one number made of them |
 //! | `timing` | times in pairs, with an interval or none |
 //! | `fit` `front` | slopes; the Pareto front |
+//! | `extremes` | the atlas: shipped scenes at the ends of every input |
 //!
 //! Numerics guide, section 6.
 
 pub mod accuracy;
 pub mod cost;
 pub mod draw;
+pub mod extremes;
 pub mod fit;
 pub mod front;
 pub mod setting;
