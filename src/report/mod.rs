@@ -11,6 +11,7 @@
 //!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
+//! - [`trade`]: speed against accuracy, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
@@ -34,5 +35,6 @@ mod sections;
 pub mod summary;
 pub mod text;
 pub mod topic;
+pub mod trade;
 
 pub use page::{NamedPlane, Report};

@@ -4,9 +4,12 @@
 //! are, so that an infinite highlight gives a large number instead of none. Silhouettes are set apart because they drown
 //! everything else: one pixel at an edge that shows the other surface is off by as much as the surfaces differ.
 
+use rastray_compare::{Encoding, ImageView, Viewing, flip};
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use crate::frame::Plane;
+use crate::math::color::quantize8;
 
 /// The largest magnitude that is compared.
 const LIMIT: f64 = 1_048_576.0;
@@ -64,13 +67,15 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Of a picture against the truth; `silhouette` says which pixels are.
+    /// Of a picture against the truth of the same size; `silhouette` says which pixels are.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where FLIP refuses the pictures.
     pub fn of(
         picture: &Plane<[f64; 3]>,
         truth: &Plane<[f64; 3]>,
-        silhouette: &[bool],
-        flip: f64,
-    ) -> Self {
+        silhouette: &Plane<bool>,
+    ) -> Result<Self, Error> {
         let differences = || picture.data.iter().zip(&truth.data).map(difference);
         let of = |at: bool| {
             let chosen = differences()
@@ -78,13 +83,26 @@ impl Accuracy {
                 .filter(move |(_, s)| **s == at);
             Errors::of(chosen.map(|(d, _)| d))
         };
-        Self {
+        Ok(Self {
             all: Errors::of(differences()),
             interior: of(false),
             silhouette: of(true),
-            flip,
-        }
+            flip: mean_flip(picture, truth)?,
+        })
     }
+}
+
+/// Mean FLIP error of the 8-bit pictures at the default distance.
+fn mean_flip(picture: &Plane<[f64; 3]>, truth: &Plane<[f64; 3]>) -> Result<f64, Error> {
+    let stored = |plane: &Plane<[f64; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
+    let (a, b) = (stored(picture), stored(truth));
+    let fail = |e| Error::limit(format!("cannot compare the pictures: {e}"));
+    // Values are displayed as they are stored, as GL's are: taken as sRGB, like every PNG.
+    let view = |p: &'_ Plane<[f32; 3]>| -> Result<_, Error> {
+        ImageView::new(p.width, p.height, &p.data, Encoding::Srgb).map_err(fail)
+    };
+    let map = flip(&view(&a)?, &view(&b)?, Viewing::default()).map_err(fail)?;
+    Ok(map.summary().mean)
 }
 
 fn difference((a, b): (&[f64; 3], &[f64; 3])) -> [f64; 3] {
@@ -116,9 +134,16 @@ mod tests {
             data: x.map(|v| [v; 3]).to_vec(),
         };
         let (test, truth) = (plane([1.0, f64::INFINITY]), plane([0.5, f64::INFINITY]));
-        let a = Accuracy::of(&test, &truth, &[false, true], 0.25);
+        let mask = Plane {
+            width: 2,
+            height: 1,
+            data: vec![false, true],
+        };
+        let of = |truth| Accuracy::of(&test, truth, &mask).expect("small pictures");
+        let a = of(&truth);
         assert_eq!((a.interior.max, a.silhouette.max), (0.5, 0.0));
-        let far = Accuracy::of(&test, &plane([0.5, 0.0]), &[false, true], 0.0);
+        let far = of(&plane([0.5, 0.0]));
+        assert!(far.flip > a.flip && a.flip > 0.0);
         assert_eq!(far.silhouette.max, LIMIT);
     }
 }

@@ -332,7 +332,8 @@ mod tests {
 
     #[test]
     fn axes_are_those_that_change_something() {
-        let names = |scene: &Scene| -> Vec<&str> { axes(scene, 16).iter().map(|a| a.name).collect() };
+        let names =
+            |scene: &Scene| -> Vec<&str> { axes(scene, 16).iter().map(|a| a.name).collect() };
         let all = names(&scene("whitted"));
         assert!(all.contains(&"recursion depth") && all.contains(&"geometry"));
         let local = names(&scene("two-sided"));

@@ -4,7 +4,6 @@
 //! trade recommends can be typed. Two settings that draw the same picture by the same work are equal: fields that a
 //! renderer does not read hold the scene's own value.
 
-use crate::frame::NONE;
 use crate::gl::ShadeModel;
 use crate::sampling::Pattern;
 use crate::scene::tessellate::DEFAULT_LEVEL;
@@ -250,11 +249,6 @@ pub fn is_curved(object: &Object) -> bool {
 /// Whether the tessellation of a scene matters.
 pub fn has_curves(scene: &Scene) -> bool {
     scene.objects.iter().any(is_curved)
-}
-
-/// Whether a pixel shows an object.
-pub(super) fn covered(object: u32) -> bool {
-    object != NONE
 }
 
 #[cfg(test)]
