@@ -5,7 +5,8 @@
 
 use crate::metrics::check_finite;
 use crate::scale::{Scale, ScaleKind};
-use crate::{CompareError, StepSummary, summarize};
+use crate::view::luma;
+use crate::{CompareError, FlipMap, StepSummary, summarize};
 
 /// How the three channel differences of a pixel become one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,7 +29,7 @@ impl Reduction {
                 .iter()
                 .fold(d[0], |m, &v| if v.abs() > m.abs() { v } else { m }),
             Self::Mean => (d[0] + d[1] + d[2]) / 3.0,
-            Self::Luma => 0.2126 * d[0] + 0.7152 * d[1] + 0.0722 * d[2],
+            Self::Luma => luma(d),
         }
     }
 }
@@ -78,6 +79,26 @@ pub fn magnitude_map(
 ) -> Result<Map, CompareError> {
     map(width, height, differences, ScaleKind::Magnitude, |d| {
         reduction.apply(d.map(f64::abs))
+    })
+}
+
+/// Magma from 0 to 1, the same scale for every pair of pictures: how FLIP is shown by its authors.
+///
+/// The summary is that of the FLIP values, one a pixel.
+pub fn flip_map(errors: &FlipMap) -> Result<Map, CompareError> {
+    let scale = Scale {
+        kind: ScaleKind::Magnitude,
+        max: 1.0,
+    };
+    let values: Vec<f64> = errors.values.iter().copied().map(f64::from).collect();
+    let (width, height) = (errors.width, errors.height);
+    let alike: Vec<[f64; 3]> = values.iter().map(|v| [*v; 3]).collect();
+    Ok(Map {
+        width,
+        height,
+        pixels: values.iter().map(|v| scale.color(*v)).collect(),
+        scale,
+        summary: summarize(width, height, &alike)?,
     })
 }
 

@@ -1,10 +1,16 @@
 //! Numbers from two pictures: see the crate head for what each means and when it misleads.
 
+use std::ops::Range;
+
+use crate::flip::{FlipMap, FlipSummary, Viewing, flip};
+use crate::ssim::{SsimMap, ssim};
+use crate::stats::{mean, percentile};
 use crate::view::check_shape;
 use crate::{CompareError, ImageView};
 
-/// The distance of two pictures, over all channels of all pixels.
+/// The distance of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Metrics {
     /// Mean squared error.
     pub mse: f64,
@@ -22,6 +28,10 @@ pub struct Metrics {
     pub p99: f64,
     /// 10 log10(1/mse) in dB; none where the pictures are identical.
     pub psnr: Option<f64>,
+    /// Mean structural similarity; none where no window of 11 x 11 pixels has its middle here.
+    pub ssim: Option<f64>,
+    /// What somebody sees who flips between the two.
+    pub flip: FlipSummary,
 }
 
 /// One step of a chain of pictures, in short: what `causes` says of each cause.
@@ -37,16 +47,124 @@ pub struct StepSummary {
     pub sum: [f64; 3],
 }
 
-/// `test - reference` per value, in f64 (exact for two f32 of similar size).
+/// `test - reference` per value, in f64: exact for two f32 of similar size, and rounded once from the fractions that
+/// they stand for where both pictures hold whole 255ths or 65535ths.
 pub fn differences(test: &ImageView, reference: &ImageView) -> Result<Vec<[f64; 3]>, CompareError> {
     test.check_comparable(reference)?;
     let pairs = test.pixels().iter().zip(reference.pixels());
-    Ok(pairs
-        .map(|(t, r)| std::array::from_fn(|c| f64::from(t[c]) - f64::from(r[c])))
-        .collect())
+    let error = error(test, reference);
+    Ok(pairs.map(|(t, r)| error(t, r)).collect())
 }
 
-/// Measures a test picture against the reference.
+/// A test picture held against the reference: every map once, and numbers of the whole or of a part.
+#[derive(Clone, Debug)]
+pub struct Comparison<'a> {
+    test: ImageView<'a>,
+    reference: ImageView<'a>,
+    ssim: SsimMap,
+    flip: FlipMap,
+}
+
+impl<'a> Comparison<'a> {
+    /// Compares two pictures of one size and encoding.
+    ///
+    /// # Errors
+    /// Other sizes or encodings, and a number of pixels per degree outside 1 to 1000.
+    pub fn new(
+        test: &ImageView<'a>,
+        reference: &ImageView<'a>,
+        viewing: Viewing,
+    ) -> Result<Self, CompareError> {
+        Ok(Self {
+            test: *test,
+            reference: *reference,
+            ssim: ssim(test, reference)?,
+            flip: flip(test, reference, viewing)?,
+        })
+    }
+
+    /// The similarity of each window.
+    pub fn ssim(&self) -> &SsimMap {
+        &self.ssim
+    }
+
+    /// The FLIP error of each pixel.
+    pub fn flip(&self) -> &FlipMap {
+        &self.flip
+    }
+
+    /// The numbers of the whole picture.
+    pub fn metrics(&self) -> Metrics {
+        self.numbers(|_| true, self.ssim.mean(), self.flip.summary())
+    }
+
+    /// The numbers of the pixels where the mask is set; none where it is set nowhere. The mask is row-major, top row first.
+    ///
+    /// Errors are those of the pixels of the mask alone; windows of SSIM and filters of FLIP reach beyond it.
+    ///
+    /// ```
+    /// use rastray_compare::{Comparison, Encoding, ImageView, Viewing};
+    /// let (a, b) = ([[0.0; 3]; 4], [[0.0; 3], [0.5; 3], [0.0; 3], [0.0; 3]]);
+    /// let view = |p| ImageView::new(2, 2, p, Encoding::Linear).unwrap();
+    /// let both = Comparison::new(&view(&b), &view(&a), Viewing::default()).unwrap();
+    /// let part = both.metrics_in(&[true, true, false, false]).unwrap().unwrap();
+    /// assert_eq!((part.mse, both.metrics().mse), (0.125, 0.0625));
+    /// assert_eq!(both.metrics_in(&[false; 4]), Ok(None));
+    /// ```
+    ///
+    /// # Errors
+    /// A mask of another number of pixels.
+    pub fn metrics_in(&self, mask: &[bool]) -> Result<Option<Metrics>, CompareError> {
+        check_shape(self.test.width(), self.test.height(), mask.len())?;
+        if !mask.contains(&true) {
+            return Ok(None);
+        }
+        let (ssim, flip) = (self.ssim.mean_in(mask), self.flip.summary_in(mask));
+        Ok(Some(self.numbers(|pixel| mask[pixel], ssim, flip)))
+    }
+
+    /// Measures the pixels that are picked, of which there is at least one.
+    fn numbers(
+        &self,
+        picked: impl Fn(usize) -> bool,
+        ssim: Option<f64>,
+        flip: FlipSummary,
+    ) -> Metrics {
+        let width = self.test.width();
+        let error = error(&self.test, &self.reference);
+        let (test, reference) = (self.test.pixels(), self.reference.pixels());
+        let (mut errors, mut rows) = (Vec::new(), Vec::new());
+        for y in 0..self.test.height() {
+            let start = errors.len();
+            let row = (y * width..(y + 1) * width).filter(|i| picked(*i));
+            errors.extend(row.flat_map(|i| error(&test[i], &reference[i]).map(f64::abs)));
+            rows.push(start..errors.len());
+        }
+        let row = |range: &Range<usize>| errors[range.clone()].iter();
+        let mse = mean(rows.iter().map(|range| row(range).map(|d| d * d)));
+        let mae = mean(rows.iter().map(|range| row(range).copied()));
+        Metrics {
+            mse,
+            rmse: mse.sqrt(),
+            mae,
+            max: errors.iter().copied().fold(0.0, f64::max),
+            p50: percentile(&mut errors, 50),
+            p95: percentile(&mut errors, 95),
+            p99: percentile(&mut errors, 99),
+            psnr: (mse > 0.0).then(|| -10.0 * libm::log10(mse)),
+            ssim,
+            flip,
+        }
+    }
+}
+
+/// `test - reference` of a pixel: see [`differences`].
+fn error(test: &ImageView, reference: &ImageView) -> impl Fn(&[f32; 3], &[f32; 3]) -> [f64; 3] {
+    let [a, b] = test.values(reference);
+    move |t, r| std::array::from_fn(|c| a(t[c]) - b(r[c]))
+}
+
+/// Measures a test picture against the reference, looked at from the usual distance.
 ///
 /// ```
 /// use rastray_compare::{Encoding, ImageView, metrics};
@@ -58,21 +176,7 @@ pub fn differences(test: &ImageView, reference: &ImageView) -> Result<Vec<[f64; 
 /// assert_eq!(metrics(&view(&grey), &view(&grey)).unwrap().psnr, None);
 /// ```
 pub fn metrics(test: &ImageView, reference: &ImageView) -> Result<Metrics, CompareError> {
-    let differences = differences(test, reference)?;
-    let values = 3.0 * differences.len() as f64;
-    let width = test.width();
-    let mse = sum_in_rows(&differences, width, |d| d * d) / values;
-    let mut errors: Vec<f64> = differences.as_flattened().iter().map(|d| d.abs()).collect();
-    Ok(Metrics {
-        mse,
-        rmse: mse.sqrt(),
-        mae: sum_in_rows(&differences, width, f64::abs) / values,
-        max: errors.iter().copied().fold(0.0, f64::max),
-        p50: percentile(&mut errors, 50),
-        p95: percentile(&mut errors, 95),
-        p99: percentile(&mut errors, 99),
-        psnr: (mse > 0.0).then(|| -10.0 * libm::log10(mse)),
-    })
+    Ok(Comparison::new(test, reference, Viewing::default())?.metrics())
 }
 
 /// How many pixels differ in at least one channel.
@@ -99,15 +203,15 @@ pub fn summarize(
     differences: &[[f64; 3]],
 ) -> Result<StepSummary, CompareError> {
     check_finite(width, height, differences)?;
-    let values = 3.0 * differences.len() as f64;
+    let rows = differences.chunks(width);
     let mut sum = [0.0; 3];
-    for row in differences.chunks(width) {
+    for row in rows.clone() {
         for (channel, total) in sum.iter_mut().enumerate() {
             *total += row.iter().fold(0.0, |s, d| s + d[channel]);
         }
     }
     Ok(StepSummary {
-        rmse: (sum_in_rows(differences, width, |d| d * d) / values).sqrt(),
+        rmse: mean(rows.map(|row| row.as_flattened().iter().map(|d| d * d))).sqrt(),
         max: differences
             .as_flattened()
             .iter()
@@ -136,22 +240,6 @@ pub(crate) fn check_finite(
     }
 }
 
-/// Sum of `f` over all values: each row left to right, then the rows from top to bottom.
-fn sum_in_rows(differences: &[[f64; 3]], width: usize, f: impl Fn(f64) -> f64) -> f64 {
-    let row_sum = |row: &[[f64; 3]]| row.as_flattened().iter().fold(0.0, |s, &d| s + f(d));
-    differences
-        .chunks(width)
-        .fold(0.0, |s, row| s + row_sum(row))
-}
-
-/// Nearest-rank percentile: the smallest value that at least `percent` % of the values do not exceed.
-fn percentile(values: &mut [f64], percent: usize) -> f64 {
-    let rank = (values.len() as u128 * percent as u128)
-        .div_ceil(100)
-        .max(1) as usize;
-    *values.select_nth_unstable_by(rank - 1, f64::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,15 +266,6 @@ mod tests {
     }
 
     #[test]
-    fn percentiles_are_nearest_rank() {
-        let mut values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(percentile(&mut values, 50), 50.0);
-        assert_eq!(percentile(&mut values, 95), 95.0);
-        assert_eq!(percentile(&mut values, 99), 99.0);
-        assert_eq!(percentile(&mut [7.0], 50), 7.0);
-    }
-
-    #[test]
     fn the_direction_of_the_comparison_changes_only_signs() {
         let a: Vec<[f32; 3]> = (0..12)
             .map(|i| [i as f32 / 16.0, 0.5, 1.0 - i as f32 / 32.0])
@@ -194,6 +273,7 @@ mod tests {
         let b: Vec<[f32; 3]> = a.iter().rev().copied().collect();
         let (a, b) = (view(4, &a), view(4, &b));
         assert_eq!(metrics(&a, &b).unwrap(), metrics(&b, &a).unwrap());
+        assert_eq!(metrics(&a, &b).unwrap().ssim, None); // smaller than a window
         let negated = differences(&b, &a)
             .unwrap()
             .into_iter()

@@ -28,6 +28,8 @@ pub struct ImageView<'a> {
     height: usize,
     pixels: &'a [[f32; 3]],
     encoding: Encoding,
+    /// The stored values are whole multiples of 1/255 or 1/65535, rounded to f32.
+    levels: Option<u16>,
 }
 
 impl<'a> ImageView<'a> {
@@ -56,6 +58,7 @@ impl<'a> ImageView<'a> {
             height,
             pixels,
             encoding,
+            levels: levels(pixels),
         })
     }
 
@@ -79,6 +82,19 @@ impl<'a> ImageView<'a> {
         self.encoding
     }
 
+    /// What turns a stored value of either picture into the number that it stands for: where both hold whole 255ths or
+    /// 65535ths, exactly that fraction, since a difference of one step is not large against the rounding of f32.
+    pub(crate) fn values(&self, other: &ImageView) -> [impl Fn(f32) -> f64 + Copy; 2] {
+        let both = self.levels.zip(other.levels);
+        [both.map(|b| b.0), both.map(|b| b.1)].map(|levels| {
+            let levels = levels.map(f64::from);
+            move |v: f32| match levels {
+                Some(n) => (f64::from(v) * n).round() / n,
+                None => f64::from(v),
+            }
+        })
+    }
+
     /// Refuses a picture of another size or encoding.
     pub(crate) fn check_comparable(&self, other: &ImageView) -> Result<(), CompareError> {
         let (a, b) = ((self.width, self.height), (other.width, other.height));
@@ -94,6 +110,26 @@ impl<'a> ImageView<'a> {
         }
         Ok(())
     }
+}
+
+/// The number of steps between 0 and 1 on which all values lie, of those that files have; none for floats.
+fn levels(pixels: &[[f32; 3]]) -> Option<u16> {
+    let on_step = |v: f32, n: f64| {
+        let step = (f64::from(v) * n).round();
+        (0.0..=n).contains(&step) && (step / n) as f32 == v
+    };
+    let all = |n: &u16| {
+        pixels
+            .as_flattened()
+            .iter()
+            .all(|v| on_step(*v, f64::from(*n)))
+    };
+    [255, 65535].into_iter().find(all)
+}
+
+/// .2126 R + .7152 G + .0722 B: luma of stored values, luminance of linear ones (weights of ITU-R BT.709 and sRGB).
+pub(crate) fn luma([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// Refuses pictures without pixels and pixel counts that do not fit the size.
@@ -112,7 +148,7 @@ pub(crate) fn check_shape(width: usize, height: usize, pixels: usize) -> Result<
 }
 
 /// Why two pictures cannot be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CompareError {
     /// A picture without pixels has no metrics.
     Empty,
@@ -145,6 +181,11 @@ pub enum CompareError {
         x: usize,
         /// Row, from the top.
         y: usize,
+    },
+    /// FLIP knows nothing of such a screen.
+    PixelsPerDegree {
+        /// Pixels per degree of visual angle that were asked for.
+        ppd: f64,
     },
 }
 
@@ -179,6 +220,9 @@ impl fmt::Display for CompareError {
                     "pixel {x} {y} holds a value that is infinite or not a number"
                 )
             }
+            Self::PixelsPerDegree { ppd } => {
+                write!(f, "{ppd} pixels per degree: expected 1 to 1000")
+            }
         }
     }
 }
@@ -188,6 +232,32 @@ impl std::error::Error for CompareError {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_of_files_are_exact() {
+        let steps =
+            |n: u32| -> Vec<[f32; 3]> { (0..=n).map(|k| [k as f32 / n as f32; 3]).collect() };
+        let (eight, sixteen) = (steps(255), steps(65535));
+        let mut float = eight.clone();
+        float[7][1] = f32::from_bits(float[7][1].to_bits() + 1);
+        let view = |p| ImageView::new(1, <[_]>::len(p), p, Encoding::Linear).unwrap();
+        let (eight, sixteen, float) = (view(&eight), view(&sixteen), view(&float));
+        assert_eq!(
+            (eight.levels, sixteen.levels, float.levels),
+            (Some(255), Some(65535), None)
+        );
+        let [a, b] = eight.values(&sixteen);
+        for k in 0..=255 {
+            let v = eight.pixels()[k][0];
+            assert_eq!(
+                (a(v), b(sixteen.pixels()[257 * k][0])),
+                (k as f64 / 255.0, k as f64 / 255.0)
+            );
+        }
+        // Against floats, values are what they are.
+        let [a, _] = eight.values(&float);
+        assert_eq!(a(eight.pixels()[7][0]), f64::from(eight.pixels()[7][0]));
+    }
 
     #[test]
     fn a_view_refuses_what_cannot_be_measured() {

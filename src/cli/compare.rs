@@ -20,7 +20,8 @@ use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
 use rastray::scene::Scene;
 use rastray::scene::tessellate::DEFAULT_LEVEL;
 use rastray_compare::{
-    Encoding, ImageView, Map, Reduction, magnitude_map, metrics, signed_map, summarize,
+    Comparison as Measured, Encoding, ImageView, Map, Reduction, Viewing, magnitude_map,
+    signed_map, summarize,
 };
 use serde_json::{Value, json};
 
@@ -95,6 +96,7 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
     let pixels = summary.size[0] * summary.size[1];
     let digest = causes::digest(summary.metrics.rmse, &summary.causes, pixels);
     verbosity.say(digest);
+    verbosity.say(summary.as_seen());
     verbosity.say(page.display());
     if args.json {
         let text = report.summary.to_json();
@@ -237,9 +239,13 @@ impl Comparison<'_> {
         }
         let agreement = &ladder.agreement;
         let coverage = agreement.coverage;
+        let measured = figure(Measured::new(&test, &reference, Viewing::default()))?;
+        let interior = ladder.silhouette.map(|marked| !marked);
         Ok(Summary {
             size: [width, height],
-            metrics: figure(metrics(&test, &reference))?.into(),
+            metrics: measured.metrics(),
+            silhouette: figure(measured.metrics_in(&ladder.silhouette.data))?,
+            interior: figure(measured.metrics_in(&interior.data))?,
             agreement: Agreement {
                 interior_max: agreement.interior_max,
                 interior_mean: agreement.interior_mean,

@@ -15,7 +15,9 @@ use rastray::report::peer::{Both, PeerReport, PeerSummary, Seconds};
 use rastray::sampling::Pattern;
 use rastray::scene::Scene;
 use rastray::scene::assembly::Assembly;
-use rastray_compare::{Encoding, ImageView, Map, Reduction, magnitude_map, metrics, signed_map};
+use rastray_compare::{
+    Encoding, ImageView, Map, Metrics, Reduction, magnitude_map, metrics, signed_map,
+};
 use serde_json::{Value, json};
 
 use super::args::{CompareArgs, PrecisionArg};
@@ -284,17 +286,13 @@ fn measure<R: Real>(scene: &Scene, quality: &Quality) -> Result<Measured, Error>
 }
 
 /// Metrics of the values that 8-bit files hold.
-fn stored_metrics(
-    raster: &Plane<[f32; 3]>,
-    opengl: &Plane<[f32; 3]>,
-) -> Result<rastray::report::summary::Metrics, Error> {
+fn stored_metrics(raster: &Plane<[f32; 3]>, opengl: &Plane<[f32; 3]>) -> Result<Metrics, Error> {
     let stored =
         |plane: &Plane<[f32; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
     let (test, reference) = (stored(raster), stored(opengl));
     let (width, height) = (test.width, test.height);
     let image = |data| figure(ImageView::new(width, height, data, Encoding::Linear));
-    let found = figure(metrics(&image(&test.data)?, &image(&reference.data)?))?;
-    Ok(found.into())
+    figure(metrics(&image(&test.data)?, &image(&reference.data)?))
 }
 
 /// Raster minus OpenGL.

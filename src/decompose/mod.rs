@@ -23,8 +23,10 @@
 //! the ladder says so. The sum stays exact, and the agreement is judged with transmissive surfaces opaque.
 
 mod agreement;
+mod masks;
 
 pub use agreement::{Agreement, Coverage};
+pub use masks::silhouette;
 
 use std::time::Instant;
 
@@ -106,6 +108,8 @@ pub struct Ladder {
     pub residual_max: f64,
     /// How well rungs 3 and 4 agree.
     pub agreement: Agreement,
+    /// Pixels at a silhouette of the first or the last rung: see [`silhouette`].
+    pub silhouette: Plane<bool>,
     /// What a step holds beside its own cause.
     pub notes: Vec<Note>,
     /// The rasterizer's layers: the unclamped picture of rung 2.
@@ -180,6 +184,7 @@ pub fn decompose<R: Real>(
         limited_pixels: 0,
         residual_max: 0.0,
         agreement,
+        silhouette: silhouette(&rasterized.object, &traced.object),
         notes: blend_note(scene).into_iter().collect(),
         raster_layers: rasterized.layers,
         local_layers: traced.local,
@@ -206,15 +211,17 @@ fn blend_note(scene: &Scene) -> Option<Note> {
     })
 }
 
-/// What the rasterizer leaves: layers and picture of rung 2, and the frame of rung 3.
+/// What the rasterizer leaves: objects of rung 0, layers and picture of rung 2, and the frame of rung 3.
 struct Rasterized<R> {
+    object: Plane<u32>,
     layers: Layers<f32>,
     color: Plane<[f32; 3]>,
     per_fragment: Frame<R>,
 }
 
-/// What the tracer leaves: the layers of rung 5, and layers and picture of rung 8.
+/// What the tracer leaves: the layers of rung 5, and layers, picture and objects of rung 8.
 struct Traced {
+    object: Plane<u32>,
     local: Layers<f32>,
     layers: Layers<f32>,
     color: Plane<[f32; 3]>,
@@ -254,6 +261,7 @@ impl Climb<'_> {
             .map(Layers::to_f32)
             .unwrap_or_default();
         Ok(Rasterized {
+            object: clamped.object,
             layers,
             color: unclamped.color_f32(),
             per_fragment,
@@ -315,6 +323,7 @@ impl Climb<'_> {
             local: layers(&local),
             layers: layers(&complete),
             color: complete.color_f32(),
+            object: complete.object,
         })
     }
 

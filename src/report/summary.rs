@@ -6,15 +6,25 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use rastray_compare::{Metrics as Measured, StepSummary};
+pub use rastray_compare::{FlipSummary, Metrics};
+
+use rastray_compare::StepSummary;
+
+use super::numbers::value;
 
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Width and height in pixels.
     pub size: [usize; 2],
-    /// The traced picture (test) against the rasterized one (reference), 8-bit values as fractions of 255.
+    /// The traced picture (test) against the rasterized one (reference), 8-bit values as fractions of 255. See
+    /// `rastray_compare` for what each number means and when it misleads.
     pub metrics: Metrics,
+    /// The same within one pixel of a change of object, or where the renderers see different objects; null where there is
+    /// no such pixel.
+    pub silhouette: Option<Metrics>,
+    /// The same of the other pixels; null where there are none.
+    pub interior: Option<Metrics>,
     /// How well the two renderers agree where they compute the same thing (rungs 3 and 4).
     pub agreement: Agreement,
     /// The steps of the ladder, in ladder order: the order is part of the answer.
@@ -27,52 +37,6 @@ pub struct Summary {
     pub counters: Map<String, Value>,
     /// Wall-clock seconds by phase.
     pub seconds: Map<String, Value>,
-}
-
-/// See `rastray_compare` for what each number means and when it misleads.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Metrics {
-    /// Mean squared error.
-    pub mse: f64,
-    /// Its root.
-    pub rmse: f64,
-    /// Mean absolute error.
-    pub mae: f64,
-    /// Largest absolute error.
-    pub max: f64,
-    /// Median absolute error of a value.
-    pub p50: f64,
-    /// 95th percentile.
-    pub p95: f64,
-    /// 99th percentile.
-    pub p99: f64,
-    /// In dB; null when identical.
-    pub psnr: Option<f64>,
-}
-
-impl From<Measured> for Metrics {
-    fn from(m: Measured) -> Self {
-        let Measured {
-            mse,
-            rmse,
-            mae,
-            max,
-            p50,
-            p95,
-            p99,
-            psnr,
-        } = m;
-        Self {
-            mse,
-            rmse,
-            mae,
-            max,
-            p50,
-            p95,
-            p99,
-            psnr,
-        }
-    }
 }
 
 /// Rungs 3 and 4: per-fragment rasterization and primary rays on the same triangles.
@@ -134,6 +98,27 @@ impl Cause {
 }
 
 impl Summary {
+    /// What the numbers that model a viewer say, and where the error sits, in lines for a terminal.
+    pub fn as_seen(&self) -> String {
+        let m = &self.metrics;
+        let ssim = m.ssim.map_or(String::new(), |ssim| {
+            format!("SSIM {} (1 = the same structure), ", value(ssim))
+        });
+        let part = |name: &str, part: &Option<Metrics>| {
+            part.map(|m| format!("{name} rmse {}, FLIP {}", value(m.rmse), value(m.flip.mean)))
+        };
+        let parts = [
+            part("at silhouettes", &self.silhouette),
+            part("elsewhere", &self.interior),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!(
+            "as seen: {ssim}FLIP {} on average (0 = nothing to see, 1 = green against blue)\n  {}",
+            value(m.flip.mean),
+            parts.join("; ")
+        )
+    }
+
     /// The file's text: indented, keys in order, a newline at the end.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
@@ -186,7 +171,15 @@ pub(super) mod tests {
                 p95: 0.3,
                 p99: 0.6,
                 psnr: Some(20.0),
+                ssim: Some(0.9),
+                flip: FlipSummary {
+                    mean: 0.07,
+                    median: 0.01,
+                    max: 0.8,
+                },
             },
+            silhouette: None,
+            interior: None,
             agreement: Agreement {
                 interior_max: 3.1e-7,
                 interior_mean: 1.2e-8,
@@ -212,7 +205,7 @@ pub(super) mod tests {
         let json = example().to_json().unwrap();
         let value: Map<String, Value> = serde_json::from_str(&json).unwrap();
         let keys: Vec<&str> = value.keys().map(String::as_str).collect();
-        let expected = "size metrics agreement causes residual_max limited_pixels counters seconds";
+        let expected = "size metrics silhouette interior agreement causes residual_max limited_pixels counters seconds";
         assert_eq!(keys.join(" "), expected);
         let keys = |v: &Value| {
             v.as_object()
@@ -222,7 +215,12 @@ pub(super) mod tests {
                 .collect::<Vec<_>>()
                 .join(" ")
         };
-        assert_eq!(keys(&value["metrics"]), "mse rmse mae max p50 p95 p99 psnr");
+        assert_eq!(
+            keys(&value["metrics"]),
+            "mse rmse mae max p50 p95 p99 psnr ssim flip"
+        );
+        assert_eq!(keys(&value["metrics"]["flip"]), "mean median max");
+        assert!(value["silhouette"].is_null());
         assert_eq!(
             keys(&value["agreement"]),
             "interior_max interior_mean edge_pixels coverage"
@@ -236,9 +234,22 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn what_is_seen_is_said() {
+        let mut summary = example();
+        summary.interior = Some(summary.metrics);
+        assert_eq!(
+            summary.as_seen(),
+            "as seen: SSIM 0.9 (1 = the same structure), FLIP 0.07 on average (0 = nothing to see, 1 = green against blue)\n  \
+             elsewhere rmse 0.1, FLIP 0.07"
+        );
+    }
+
+    #[test]
     fn it_comes_back_number_for_number() {
         let mut summary = example();
+        summary.silhouette = Some(summary.metrics);
         summary.metrics.psnr = None;
+        summary.metrics.ssim = None;
         summary.metrics.mse = 0.1 + 0.2;
         let json = summary.to_json().unwrap();
         assert!(json.contains("\"psnr\": null"));

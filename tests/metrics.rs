@@ -1,0 +1,4 @@
+//! Image metrics against independent packages, and `rastray diff` as a user meets it.
+
+#[path = "metrics/reference.rs"]
+mod reference;
