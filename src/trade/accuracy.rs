@@ -4,7 +4,7 @@
 //! are, so that an infinite highlight gives a large number instead of none. Silhouettes are set apart because they drown
 //! everything else: one pixel at an edge that shows the other surface is off by as much as the surfaces differ.
 
-use rastray_compare::{Encoding, ImageView, Viewing, flip};
+use rastray_compare::{CompareError, Encoding, ImageView, Viewing, flip};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
@@ -79,7 +79,7 @@ impl Accuracy {
         let differences = || picture.data.iter().zip(&truth.data).map(difference);
         let of = |at: bool| {
             let chosen = differences()
-                .zip(silhouette)
+                .zip(&silhouette.data)
                 .filter(move |(_, s)| **s == at);
             Errors::of(chosen.map(|(d, _)| d))
         };
@@ -94,15 +94,22 @@ impl Accuracy {
 
 /// Mean FLIP error of the 8-bit pictures at the default distance.
 fn mean_flip(picture: &Plane<[f64; 3]>, truth: &Plane<[f64; 3]>) -> Result<f64, Error> {
-    let stored = |plane: &Plane<[f64; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
+    let stored =
+        |plane: &Plane<[f64; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
     let (a, b) = (stored(picture), stored(truth));
     let fail = |e| Error::limit(format!("cannot compare the pictures: {e}"));
-    // Values are displayed as they are stored, as GL's are: taken as sRGB, like every PNG.
-    let view = |p: &'_ Plane<[f32; 3]>| -> Result<_, Error> {
-        ImageView::new(p.width, p.height, &p.data, Encoding::Srgb).map_err(fail)
-    };
-    let map = flip(&view(&a)?, &view(&b)?, Viewing::default()).map_err(fail)?;
+    let map = flip(
+        &view_of(&a).map_err(fail)?,
+        &view_of(&b).map_err(fail)?,
+        Viewing::default(),
+    )
+    .map_err(fail)?;
     Ok(map.summary().mean)
+}
+
+/// Values are displayed as they are stored, as GL's are: taken as sRGB, like those of any PNG.
+fn view_of(plane: &Plane<[f32; 3]>) -> Result<ImageView<'_>, CompareError> {
+    ImageView::new(plane.width, plane.height, &plane.data, Encoding::Srgb)
 }
 
 fn difference((a, b): (&[f64; 3], &[f64; 3])) -> [f64; 3] {

@@ -145,7 +145,13 @@ pub struct Answer {
 }
 
 /// Everything that a run found.
-pub fn find(scene: &Scene, ideal_samples: u32, isa: Isa, outcome: &Outcome, journal: &Journal) -> Trade {
+pub fn find(
+    scene: &Scene,
+    ideal_samples: u32,
+    isa: Isa,
+    outcome: &Outcome,
+    journal: &Journal,
+) -> Trade {
     let pixels = f64::from(scene.image.width) * f64::from(scene.image.height);
     let front = on_front(&outcome.tasks, journal);
     let mut rows = Vec::new();
@@ -168,7 +174,11 @@ pub fn find(scene: &Scene, ideal_samples: u32, isa: Isa, outcome: &Outcome, jour
         measured: outcome.measured,
         base: Setting::of(scene).plain(scene).name(),
         answers: TARGETS.map(|target| answer(&rows, target)).into(),
-        axes: outcome.axes.iter().map(|axis| finding(scene, axis, journal, pixels)).collect(),
+        axes: outcome
+            .axes
+            .iter()
+            .map(|axis| finding(scene, axis, journal, pixels))
+            .collect(),
         rows,
         power: errors(&exponents, scene.light_model.specular_model, isa),
         exponents,
@@ -323,14 +333,20 @@ mod tests {
         // Error and work are inverse: a tenth of one costs ten times the other.
         assert!((found.price.expect("falls") - 10.0).abs() < 1e-9);
         let linear: Vec<_> = square.iter().map(|(n, _)| (*n, 1.0 / n)).collect();
-        assert_eq!(curve(&series(law), points(&linear)).as_predicted, Some(false));
+        assert_eq!(
+            curve(&series(law), points(&linear)).as_predicted,
+            Some(false)
+        );
     }
 
     #[test]
     fn steps_have_a_factor() {
         let halves: Vec<_> = (0..9).map(|d| (f64::from(d), 0.5f64.powi(d + 1))).collect();
         let found = curve(&series(Law::Step { factor: 0.5 }), points(&halves));
-        assert!((found.slope.expect("falls") - 0.5).abs() < 1e-9, "{found:?}");
+        assert!(
+            (found.slope.expect("falls") - 0.5).abs() < 1e-9,
+            "{found:?}"
+        );
         assert_eq!(found.as_predicted, Some(true));
         let slow = curve(&series(Law::Step { factor: 0.4 }), points(&halves));
         assert_eq!(slow.as_predicted, Some(false));

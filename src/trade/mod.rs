@@ -17,12 +17,14 @@
 //! | `run` `journal` | everything within a budget; what is known so far, on disk |
 //! | `fit` `front` | slopes; the Pareto front |
 //! | `finding` | rows, curves, answers |
+//! | `choose` `verify` | the setting for an accuracy or a time; whether a promise holds at other places |
 //! | `power` | forms of the power, on a scene's exponents |
 //!
 //! Numerics guide, section 6.
 
 pub mod accuracy;
 pub mod axis;
+pub mod choose;
 pub mod cost;
 pub mod draw;
 pub mod finding;
@@ -35,3 +37,4 @@ pub mod run;
 pub mod setting;
 pub mod timing;
 pub mod truth;
+pub mod verify;

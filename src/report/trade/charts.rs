@@ -60,7 +60,13 @@ impl Paper {
             let x = self.x.place(*value);
             marks.push(line(vec![[x, top], [x, bottom]], Ink::Line, 1.0, false));
             let at = [x, bottom + 1.5 * self.size];
-            marks.push(words(at, tick(*value), Ink::Grey, self.size, Anchor::Middle));
+            marks.push(words(
+                at,
+                tick(*value),
+                Ink::Grey,
+                self.size,
+                Anchor::Middle,
+            ));
         }
         let middle = f32::midpoint(left, right);
         let at = [middle, bottom + 3.2 * self.size];
@@ -87,7 +93,10 @@ pub(super) fn front(trade: &Trade) -> Plot {
         .enumerate()
         .filter_map(|(i, row)| Some((i, row.work, row.full?.all.rmse)))
         .collect();
-    let errors = points.iter().map(|p| p.2).chain(TARGETS.iter().copied().take(2));
+    let errors = points
+        .iter()
+        .map(|p| p.2)
+        .chain(TARGETS.iter().copied().take(2));
     let paper = Paper {
         x: LogScale::around(points.iter().map(|p| p.1), 84.0, width - 24.0),
         y: LogScale::around(errors, height - 62.0, 16.0),
@@ -98,9 +107,18 @@ pub(super) fn front(trade: &Trade) -> Plot {
     marks.extend(targets(&paper));
     let place = |p: &(usize, f64, f64)| [paper.x.place(p.1), paper.y.place(p.2)];
     let on: Vec<_> = points.iter().filter(|p| trade.rows[p.0].front).collect();
-    marks.push(line(staircase(&on.iter().map(|p| place(p)).collect::<Vec<_>>()), Ink::Ink, 1.4, false));
+    marks.push(line(
+        staircase(&on.iter().map(|p| place(p)).collect::<Vec<_>>()),
+        Ink::Ink,
+        1.4,
+        false,
+    ));
     // Dominated settings first, so that the front lies above them.
-    for p in points.iter().filter(|p| !trade.rows[p.0].front).chain(on.iter().copied()) {
+    for p in points
+        .iter()
+        .filter(|p| !trade.rows[p.0].front)
+        .chain(on.iter().copied())
+    {
         let row = &trade.rows[p.0];
         let (ink, shape) = style(row.renderer);
         marks.push(Mark::Dot {
@@ -109,10 +127,17 @@ pub(super) fn front(trade: &Trade) -> Plot {
             ink: if row.front { ink } else { Ink::Grey },
             radius: if row.front { 5.5 } else { 3.2 },
             filled: row.front,
-            title: format!("{}: rmse {}, {} ns a pixel", row.setting, value(p.2), value(p.1)),
+            title: format!(
+                "{}: rmse {}, {} ns a pixel",
+                row.setting,
+                value(p.2),
+                value(p.1)
+            ),
         });
     }
-    let labels = on.iter().map(|p| (place(p), short(&trade.rows[p.0].setting)));
+    let labels = on
+        .iter()
+        .map(|p| (place(p), short(&trade.rows[p.0].setting)));
     marks.extend(labelled(labels.collect(), &paper, size));
     let count = on.len();
     Plot {
@@ -129,13 +154,21 @@ pub(super) fn front(trade: &Trade) -> Plot {
 /// Dashed rules at the errors that answers are given for.
 fn targets(paper: &Paper) -> Vec<Mark> {
     let names = ["1/255", "10⁻³", "10⁻⁶"];
-    let shown = TARGETS.iter().zip(names).filter(|(t, _)| (paper.y.low..=paper.y.high).contains(&t.log10()));
+    let shown = TARGETS
+        .iter()
+        .zip(names)
+        .filter(|(t, _)| (paper.y.low..=paper.y.high).contains(&t.log10()));
     shown
         .flat_map(|(target, name)| {
             let y = paper.y.place(*target);
             let label = [paper.x.to - 4.0, y - 5.0];
             [
-                line(vec![[paper.x.from, y], [paper.x.to, y]], Ink::Grey, 1.0, true),
+                line(
+                    vec![[paper.x.from, y], [paper.x.to, y]],
+                    Ink::Grey,
+                    1.0,
+                    true,
+                ),
                 words(label, name, Ink::Grey, paper.size, Anchor::End),
             ]
         })
@@ -155,9 +188,14 @@ fn staircase(front: &[[f32; 2]]) -> Vec<[f32; 2]> {
 /// Labels right above their dots, left of them or below; those that would cover another label or dot are left out, since
 /// the table and the pointer name every dot.
 fn labelled(dots: Vec<([f32; 2], String)>, paper: &Paper, size: f32) -> Vec<Mark> {
-    let mut taken: Vec<[f32; 4]> = dots.iter().map(|([x, y], _)| [x - 6.0, y - 6.0, x + 6.0, y + 6.0]).collect();
+    let mut taken: Vec<[f32; 4]> = dots
+        .iter()
+        .map(|([x, y], _)| [x - 6.0, y - 6.0, x + 6.0, y + 6.0])
+        .collect();
     let clear = |taken: &[[f32; 4]], b: [f32; 4]| {
-        taken.iter().all(|t| b[2] < t[0] || t[2] < b[0] || b[3] < t[1] || t[3] < b[1])
+        taken
+            .iter()
+            .all(|t| b[2] < t[0] || t[2] < b[0] || b[3] < t[1] || t[3] < b[1])
             && b[0] > paper.x.from
             && b[2] < paper.x.to
             && b[1] > paper.y.to - 8.0
@@ -190,7 +228,10 @@ pub(super) fn knob(axis: &AxisFinding) -> Plot {
     let (width, height, size) = (560.0, 380.0, 14.0);
     let points = || axis.curves.iter().flat_map(|c| &c.points);
     // Steps multiply the error: a straight line over the knob itself.
-    let steps = axis.curves.iter().any(|c| matches!(c.law, Law::Step { .. }));
+    let steps = axis
+        .curves
+        .iter()
+        .any(|c| matches!(c.law, Law::Step { .. }));
     let across = |knob: f64| if steps { 10f64.powf(knob) } else { knob };
     let knobs: Vec<f64> = {
         let mut all: Vec<f64> = points().map(|p| p.knob).collect();
@@ -215,7 +256,11 @@ pub(super) fn knob(axis: &AxisFinding) -> Plot {
     Plot {
         width,
         height,
-        description: format!("Error against {} for {} series", axis.knob, axis.curves.len()),
+        description: format!(
+            "Error against {} for {} series",
+            axis.knob,
+            axis.curves.len()
+        ),
         marks,
     }
 }
@@ -241,7 +286,9 @@ fn series(
     if let (Some(last), Some(predicted)) = (shown.last(), prediction(curve)) {
         let ends = [shown[0].knob, last.knob].map(|knob| place(knob, predicted(knob)));
         // A law beyond the paper would be bent by its border.
-        let inside = ends.iter().all(|[_, y]| *y > paper.y.to && *y < paper.y.from);
+        let inside = ends
+            .iter()
+            .all(|[_, y]| *y > paper.y.to && *y < paper.y.from);
         if inside {
             marks.push(line(ends.to_vec(), ink, 1.0, true));
         }
@@ -264,7 +311,13 @@ fn series(
             y = near + 1.2 * paper.size + 0.01;
         }
         ends.push(y);
-        marks.push(words([x + 10.0, y], curve.name.clone(), ink, paper.size, Anchor::Start));
+        marks.push(words(
+            [x + 10.0, y],
+            curve.name.clone(),
+            ink,
+            paper.size,
+            Anchor::Start,
+        ));
     }
     marks
 }

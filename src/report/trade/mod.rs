@@ -109,6 +109,9 @@ impl TradeReport {
     /// The command that draws a row.
     fn command_of(&self, row: Option<usize>) -> Option<String> {
         let row = self.trade.rows.get(row?)?;
-        Some(format!("rastray render {} {}", self.scene_arguments, row.arguments))
+        Some(format!(
+            "rastray render {} {}",
+            self.scene_arguments, row.arguments
+        ))
     }
 }

@@ -3,7 +3,8 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::words::{
-    answer, band, capital, judged, minus, number_cell, sentences, short, target, time, times, verdict,
+    answer, band, capital, judged, minus, number_cell, sentences, short, target, time, times,
+    verdict,
 };
 use super::{TradeReport, charts, plot};
 use crate::error::Error;
@@ -139,8 +140,14 @@ impl TradeReport {
 
     /// Measured slopes beside those that theory predicts.
     fn slopes(&self) -> Markup {
-        let curves = || self.trade.axes.iter().flat_map(|a| a.curves.iter().map(move |c| (a, c)));
-        let known: Vec<(&AxisFinding, &Curve)> = curves().filter(|(_, c)| c.slope.is_some()).collect();
+        let curves = || {
+            self.trade
+                .axes
+                .iter()
+                .flat_map(|a| a.curves.iter().map(move |c| (a, c)))
+        };
+        let known: Vec<(&AxisFinding, &Curve)> =
+            curves().filter(|(_, c)| c.slope.is_some()).collect();
         html! {
             @if !known.is_empty() {
                 section {
@@ -324,7 +331,13 @@ fn table_row(row: &Row) -> Markup {
         a.silhouette.rmse,
         a.flip,
     ];
-    let counts = [c.shaded, c.pow_calls, c.rays(), c.box_tests, c.primitive_tests];
+    let counts = [
+        c.shaded,
+        c.pow_calls,
+        c.rays(),
+        c.box_tests,
+        c.primitive_tests,
+    ];
     html! {
         tr class=(if row.front { "front" } else { "rest" }) {
             th scope="row" { (row.setting) }

@@ -38,7 +38,12 @@ impl Ink {
         (Self::Grey, "grey", [0x59, 0x62, 0x6d], [0xa4, 0xac, 0xb6]),
         (Self::Line, "line", [0xe1, 0xe5, 0xe9], [0x2d, 0x33, 0x3a]),
         (Self::First, "local", [0x03, 0x64, 0xb4], [0x80, 0xbc, 0xfe]),
-        (Self::Second, "global", [0x96, 0x4c, 0x04], [0xfa, 0x9e, 0x5d]),
+        (
+            Self::Second,
+            "global",
+            [0x96, 0x4c, 0x04],
+            [0xfa, 0x9e, 0x5d],
+        ),
         (Self::Paper, "paper", [0xff, 0xff, 0xff], [0x14, 0x17, 0x1b]),
     ];
 
@@ -58,7 +63,6 @@ pub(super) enum Shape {
     Circle,
     Square,
     Diamond,
-    Triangle,
 }
 
 /// Where text stands beside its place.
@@ -116,15 +120,16 @@ impl Shape {
             Self::Circle => Vec::new(),
             Self::Square => {
                 let r = 0.88 * r;
-                vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]]
+                vec![
+                    [x - r, y - r],
+                    [x + r, y - r],
+                    [x + r, y + r],
+                    [x - r, y + r],
+                ]
             }
             Self::Diamond => {
                 let r = 1.25 * r;
                 vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]]
-            }
-            Self::Triangle => {
-                let r = 1.2 * r;
-                vec![[x, y - r], [x + r, y + 0.8 * r], [x - r, y + 0.8 * r]]
             }
         }
     }
@@ -168,7 +173,11 @@ impl Plot {
                     width,
                     dashed,
                 } => {
-                    let dash = if *dashed { " stroke-dasharray=\"5 4\"" } else { "" };
+                    let dash = if *dashed {
+                        " stroke-dasharray=\"5 4\""
+                    } else {
+                        ""
+                    };
                     write!(
                         out,
                         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>",
@@ -185,7 +194,11 @@ impl Plot {
                     title,
                 } => {
                     let ink = color(*ink);
-                    let fill = if *filled { ink.clone() } else { color(Ink::Paper) };
+                    let fill = if *filled {
+                        ink.clone()
+                    } else {
+                        color(Ink::Paper)
+                    };
                     let paint = format!("fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"1.4\"");
                     let title = escaped(title);
                     let corners = shape.corners(*at, *radius);
@@ -195,7 +208,11 @@ impl Plot {
                     } else {
                         format!("polygon points=\"{}\"", places(&corners))
                     };
-                    let name = if corners.is_empty() { "circle" } else { "polygon" };
+                    let name = if corners.is_empty() {
+                        "circle"
+                    } else {
+                        "polygon"
+                    };
                     write!(out, "<{form} {paint}><title>{title}</title></{name}>")
                 }
                 Mark::Text {
@@ -253,7 +270,10 @@ fn escaped(text: &str) -> String {
 }
 
 fn places(points: &[[f32; 2]]) -> String {
-    let texts: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+    let texts: Vec<String> = points
+        .iter()
+        .map(|[x, y]| format!("{x:.1},{y:.1}"))
+        .collect();
     texts.join(" ")
 }
 
@@ -348,7 +368,10 @@ fn draw(pixmap: &mut Pixmap, mark: &Mark, scale: f32) {
 
 /// Text that runs upwards from a place: set on paper of its own, then turned.
 fn write_upright(pixmap: &mut Pixmap, span: &Span, x: f32, y: f32) {
-    let (w, h) = (span.width().ceil() as usize + 2, (1.4 * span.size).ceil() as usize);
+    let (w, h) = (
+        span.width().ceil() as usize + 2,
+        (1.4 * span.size).ceil() as usize,
+    );
     let Ok(mut line) = paper(w, h) else {
         return;
     };
@@ -378,9 +401,17 @@ impl LogScale {
     /// Around some values, with a little room; a decade at least. Values that are not positive and finite do not count.
     pub(super) fn around(values: impl Iterator<Item = f64>, from: f32, to: f32) -> Self {
         let logs = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
-        let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        let (low, high) = if low <= high { (low, high) } else { (-1.0, 0.0) };
-        let room = (0.06 * (high - low)).max((1.0 - (high - low)) / 2.0).max(0.06);
+        let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
+        let (low, high) = if low <= high {
+            (low, high)
+        } else {
+            (-1.0, 0.0)
+        };
+        let room = (0.06 * (high - low))
+            .max((1.0 - (high - low)) / 2.0)
+            .max(0.06);
         Self {
             low: low - room,
             high: high + room,
@@ -410,7 +441,8 @@ impl LogScale {
         }
         let (first, last) = (self.low.floor() as i32, self.high.ceil() as i32);
         let fine = (first..=last).flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(d)));
-        fine.filter(|v| (self.low..=self.high).contains(&v.log10())).collect()
+        fine.filter(|v| (self.low..=self.high).contains(&v.log10()))
+            .collect()
     }
 }
 

@@ -10,14 +10,38 @@ use crate::trade::finding::{Row, Trade};
 pub(super) fn csv(trade: &Trade) -> String {
     let mut head: Vec<String> = ["setting", "arguments"].map(String::from).into();
     for truth in ["full", "local", "ideal"] {
-        let columns = ["rmse", "mean", "p99", "max", "rmse interior", "rmse silhouette", "FLIP"];
+        let columns = [
+            "rmse",
+            "mean",
+            "p99",
+            "max",
+            "rmse interior",
+            "rmse silhouette",
+            "FLIP",
+        ];
         head.extend(columns.map(|c| format!("{truth} {c}")));
     }
     head.extend(WEIGHTS.iter().map(|(name, ..)| (*name).to_owned()));
-    let rest = ["work ns/pixel", "ns/pixel", "95% low", "95% high", "rounds", "on front"];
+    let rest = [
+        "work ns/pixel",
+        "ns/pixel",
+        "95% low",
+        "95% high",
+        "rounds",
+        "on front",
+    ];
     head.extend(rest.map(String::from));
     let lines = std::iter::once(head).chain(trade.rows.iter().map(cells));
-    lines.map(|cells| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n").collect()
+    lines
+        .map(|cells| {
+            cells
+                .iter()
+                .map(|c| quoted(c))
+                .collect::<Vec<_>>()
+                .join(",")
+                + "\n"
+        })
+        .collect()
 }
 
 fn cells(row: &Row) -> Vec<String> {
@@ -30,7 +54,9 @@ fn cells(row: &Row) -> Vec<String> {
     let time = row.time.as_ref();
     cells.push(match time {
         None => String::new(),
-        Some(time) => time.ns_per_pixel.map_or("inconclusive".to_owned(), |ns| ns.to_string()),
+        Some(time) => time
+            .ns_per_pixel
+            .map_or("inconclusive".to_owned(), |ns| ns.to_string()),
     });
     let interval = time.and_then(|t| t.interval);
     let end = |i: usize| interval.map_or_else(String::new, |ends| ends[i].to_string());

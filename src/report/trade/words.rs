@@ -12,7 +12,10 @@ pub(super) fn short(setting: &str) -> String {
 
 /// The result in one or two sentences.
 pub(super) fn verdict(trade: &Trade) -> String {
-    let found = trade.answers.first().and_then(|a| Some((a, trade.rows.get(a.row?)?)));
+    let found = trade
+        .answers
+        .first()
+        .and_then(|a| Some((a, trade.rows.get(a.row?)?)));
     let Some((answer, row)) = found else {
         let least = trade.answers.first().map_or(f64::INFINITY, |a| a.least);
         return format!(
@@ -22,7 +25,12 @@ pub(super) fn verdict(trade: &Trade) -> String {
         );
     };
     let error = row.full.map_or(0.0, |a| a.all.rmse);
-    let dearest = trade.rows.iter().filter(|r| r.full.is_some()).map(|r| r.work).fold(0.0, f64::max);
+    let dearest = trade
+        .rows
+        .iter()
+        .filter(|r| r.full.is_some())
+        .map(|r| r.work)
+        .fold(0.0, f64::max);
     format!(
         "The cheapest setting with an error below {} is {}: rmse {}, {} of the work of the dearest setting that was tried.",
         target(answer.target),
@@ -65,7 +73,10 @@ pub(super) fn times(factor: f64) -> String {
     match factor {
         f if f >= 1000.0 => {
             let rounded = 10f64.powi(f.log10().floor() as i32 - 1);
-            format!("{} times", count(((f / rounded).round() * rounded) as usize))
+            format!(
+                "{} times",
+                count(((f / rounded).round() * rounded) as usize)
+            )
         }
         f if f >= 10.0 => format!("{f:.0} times"),
         f => format!("{f:.1} times"),
@@ -77,7 +88,10 @@ pub(super) fn sentences(axis: &AxisFinding) -> Vec<String> {
     if axis.knob.is_empty() || axis.curves.iter().all(|c| c.law == Law::None) {
         return vec![choice(axis)];
     }
-    axis.curves.iter().map(|curve| sentence(axis, curve)).collect()
+    axis.curves
+        .iter()
+        .map(|curve| sentence(axis, curve))
+        .collect()
 }
 
 /// One series: how its error falls, what theory says, what a digit costs.
@@ -132,8 +146,13 @@ pub(super) fn band(low: f64, high: f64) -> String {
 
 /// Choices: the worst and the best, and what the difference costs.
 fn choice(axis: &AxisFinding) -> String {
-    let points = || axis.curves.iter().flat_map(|c| c.points.iter().map(move |p| (c, p)));
-    let by_error = |a: &(&Curve, &Point), b: &(&Curve, &Point)| a.1.error.rmse.total_cmp(&b.1.error.rmse);
+    let points = || {
+        axis.curves
+            .iter()
+            .flat_map(|c| c.points.iter().map(move |p| (c, p)))
+    };
+    let by_error =
+        |a: &(&Curve, &Point), b: &(&Curve, &Point)| a.1.error.rmse.total_cmp(&b.1.error.rmse);
     let (Some(best), Some(worst)) = (points().min_by(by_error), points().max_by(by_error)) else {
         return "Not measured yet.".to_owned();
     };
@@ -142,7 +161,10 @@ fn choice(axis: &AxisFinding) -> String {
         _ => format!("{} of {} {}", curve.name, point.knob, axis.knob),
     };
     if best.1.error.rmse == worst.1.error.rmse {
-        return format!("All the same on this scene: rmse {}.", value(best.1.error.rmse));
+        return format!(
+            "All the same on this scene: rmse {}.",
+            value(best.1.error.rmse)
+        );
     }
     let cost = best.1.work / worst.1.work;
     let cost = match cost {
@@ -188,7 +210,10 @@ pub(super) fn answer(answer: &Answer, rows: &[Row]) -> String {
                 value(accuracy.flip)
             )
         }
-        None => format!("Out of reach: the best setting is off by {}.", value(answer.least)),
+        None => format!(
+            "Out of reach: the best setting is off by {}.",
+            value(answer.least)
+        ),
     }
 }
 
@@ -217,7 +242,9 @@ pub(super) fn number_cell(x: f64) -> String {
 /// With its first letter large.
 pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 #[cfg(test)]
@@ -226,8 +253,14 @@ mod tests {
 
     #[test]
     fn numbers_read_as_people_write_them() {
-        assert_eq!([1.0 / 255.0, 1e-3, 1e-6].map(target), ["1/255", "10⁻³", "10⁻⁶"]);
-        assert_eq!([1.24, 21.6, 99_400.0].map(times), ["1.2 times", "22 times", "99,000 times"]);
+        assert_eq!(
+            [1.0 / 255.0, 1e-3, 1e-6].map(target),
+            ["1/255", "10⁻³", "10⁻⁶"]
+        );
+        assert_eq!(
+            [1.24, 21.6, 99_400.0].map(times),
+            ["1.2 times", "22 times", "99,000 times"]
+        );
         assert_eq!([0.5, 0.0816].map(share), ["50 %", "1/12"]);
         assert_eq!(band(0.85, 1.15), "−1");
         assert_eq!(band(0.65, 0.85), "−0.75");
@@ -248,6 +281,9 @@ mod tests {
             inconclusive: Some("noise".to_owned()),
             ..known
         };
-        assert_eq!((time(Some(&noisy)).as_str(), time(None).as_str()), ("inconclusive", "–"));
+        assert_eq!(
+            (time(Some(&noisy)).as_str(), time(None).as_str()),
+            ("inconclusive", "–")
+        );
     }
 }
