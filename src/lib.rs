@@ -4,9 +4,11 @@
 //! *one* scene, so whatever differs between their pictures has a cause with a name.
 #![deny(unsafe_code)]
 
+pub mod check;
 pub mod context;
 pub mod decompose;
 pub mod error;
+pub mod explain;
 pub mod frame;
 pub mod gl;
 pub mod import;

@@ -1080,7 +1080,7 @@ fn hierarchy_equals_brute_force<R: Real>(rays: usize) {
     assert!(found > rays / 10 && found < rays * 9 / 10, "{found}");
 }
 
-/// Width, leaf size and order of the hierarchy change no answer (NUMERICS T4).
+/// What hierarchies of one width say, whatever the leaf size.
 fn any_shape_of_hierarchy<const W: usize>(
     triangles: &[[DVec3; 3]],
     rays: &[Ray],
@@ -1118,8 +1118,8 @@ fn any_shape_of_hierarchy<const W: usize>(
     answers
 }
 
-#[test]
-fn widths_and_leaf_sizes_change_no_answer() {
+/// Width, leaf size and order of the hierarchy, and brute force (NUMERICS T4).
+fn widths_and_leaf_sizes(rays: usize) {
     let mut random = Random(11);
     let triangles: Vec<_> = (0..500)
         .map(|_| {
@@ -1127,11 +1127,49 @@ fn widths_and_leaf_sizes_change_no_answer() {
             [0; 3].map(|_| base + (random.point() * 4.0).round() / 4.0)
         })
         .collect();
-    let rays: Vec<_> = (0..20_000).map(|i| random_ray(&mut random, i)).collect();
-    let expected = any_shape_of_hierarchy::<8>(&triangles, &rays);
-    assert!(expected.iter().flatten().count() > 5000);
+    let rays: Vec<_> = (0..rays).map(|i| random_ray(&mut random, i)).collect();
+    let expected: Vec<_> = rays
+        .iter()
+        .map(|ray| nearest_of_all(&triangles, ray))
+        .collect();
+    assert!(expected.iter().flatten().count() * 4 > rays.len());
     assert_eq!(any_shape_of_hierarchy::<2>(&triangles, &rays), expected);
     assert_eq!(any_shape_of_hierarchy::<4>(&triangles, &rays), expected);
+    assert_eq!(any_shape_of_hierarchy::<8>(&triangles, &rays), expected);
+}
+
+/// (t, number) of the nearest hit, every triangle tested; of equal t the lowest number.
+fn nearest_of_all(triangles: &[[DVec3; 3]], ray: &Ray) -> Option<(f64, usize)> {
+    let shear = Shear::new(ray.origin, ray.direction)?;
+    let mut best: Option<(f64, usize)> = None;
+    for (index, corners) in triangles.iter().enumerate() {
+        if let Some(hit) = shear.triangle(corners.map(|p| p.to_array()))
+            && (ray.t_min..=ray.t_max).contains(&hit.t)
+            && best.is_none_or(|(t, _)| hit.t < t)
+        {
+            best = Some((hit.t, index));
+        }
+    }
+    best
+}
+
+#[test]
+fn widths_and_leaf_sizes_change_no_answer() {
+    widths_and_leaf_sizes(20_000);
+}
+
+/// T4 in full: cargo test --test trace -- --ignored a_million
+#[test]
+#[ignore = "a million rays against every triangle: a minute"]
+fn a_million_rays_meet_the_same_in_every_hierarchy() {
+    widths_and_leaf_sizes(1_000_000);
+}
+
+#[test]
+#[ignore = "a million rays against every primitive, in both precisions: a minute"]
+fn a_million_rays_meet_what_brute_force_meets() {
+    hierarchy_equals_brute_force::<f32>(1_000_000);
+    hierarchy_equals_brute_force::<f64>(1_000_000);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! asked threshold, 2 error.
 
 mod args;
+mod check;
 mod commands;
 mod compare;
 mod diagnostic;
@@ -71,6 +72,9 @@ enum Command {
     /// Render with both renderers and explain every difference, into a folder
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Check one's own picture of a scene: is it right, and if not, which mistake explains it?
+    #[command(after_long_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
     /// Measure what each knob costs and buys on a scene: speed against accuracy, into a folder
     #[command(after_long_help = trade::EXAMPLES)]
     Trade(trade::TradeArgs),
@@ -155,6 +159,7 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
+        Command::Check(args) => check::check(args, verbosity),
         Command::Trade(args) => trade::trade(args, verbosity).map(done),
         Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::parts::{self, Chunk, Has, Products, Target, Weights};
 use super::scratch::Scratch;
 use super::vector::finite;
-use super::{Counters, Light, Points, Power, Rig, Sink, Visibility};
+use super::{Counters, Early, Light, Points, Power, Rig, Sink, Visibility};
 use crate::gl;
 use crate::lanes::{Family, Isa, Kernel, Lanes, Real, dispatch};
 use crate::math::color::Rgb;
@@ -137,8 +137,10 @@ impl<R: Real> Call<'_, '_, R> {
             return self.tracked_constants(start..end);
         }
         for c in 0..3 {
-            let emission = finite::<R>(self.material.emission[c]);
-            let ambient = finite::<R>(self.material.ambient[c] * self.rig.model.ambient[c]);
+            let early = self.rig.faults.early;
+            let emission = early.constant(finite::<R>(self.material.emission[c]));
+            let ambient = self.material.ambient[c] * self.rig.model.ambient[c];
+            let ambient = early.constant(finite::<R>(ambient));
             match &mut self.sink {
                 Sink::Record(layers) => {
                     layers[0][c][start..end].fill(emission);
@@ -191,6 +193,8 @@ impl<R: Real> Call<'_, '_, R> {
             has: self.rig.switches.terms(has),
             careful: may_overflow || negative_power || has_lengths,
             signed: self.signed,
+            as_is: !self.signed && self.rig.faults.early == Early::Nothing,
+            faults: self.rig.faults,
             power,
             model: self.rig.model.specular_model,
         }
@@ -218,8 +222,9 @@ impl<R: Real> Call<'_, '_, R> {
         };
         let scratch = &mut *self.scratch;
         let lit = scratch.n_dot_l.iter().zip(&scratch.factor);
+        let ungated = self.rig.faults.ungated_specular;
         for (facing, (n_dot_l, factor)) in scratch.illumination.facing.iter_mut().zip(lit) {
-            *facing = *n_dot_l > R::ZERO && *factor != R::ZERO;
+            *facing = (*n_dot_l > R::ZERO || ungated) && *factor != R::ZERO;
         }
         if !scratch.illumination.facing.contains(&true) {
             return false;
@@ -330,7 +335,7 @@ impl Counters {
         self.light_vector_roots += n;
         self.attenuations += n * u64::from(point.attenuated);
         self.spot_tests += n * u64::from(spot.is_some());
-        self.pow_calls += n * u64::from(matches!(spot, Some(Power::Other(_))));
+        self.spot_pow_calls += n * u64::from(matches!(spot, Some(Power::Other(_))));
     }
 }
 

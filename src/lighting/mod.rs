@@ -41,9 +41,11 @@
 //!
 //! Left out: texture (a factor on the material, the caller's), fog, clamping (a named step of the caller's).
 
+mod anatomy;
 mod batch;
 mod call;
 mod cone;
+mod faults;
 mod light;
 mod parts;
 mod rig;
@@ -55,8 +57,10 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+pub use anatomy::Anatomy;
 pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
+pub use faults::{Early, Faults};
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
 pub use rig::Rig;
 
@@ -115,6 +119,18 @@ impl<R: Real> Points<R> {
             self.position[axis].push(position[axis]);
             self.normal[axis].push(normal[axis]);
             self.to_viewer[axis].push(to_viewer[axis]);
+        }
+    }
+    /// A list of one point of this list.
+    pub fn one(&self, point: usize) -> Self {
+        let part = |list: &Vec<R>| list.get(point).copied().into_iter().collect();
+        let parts = |lists: &[Vec<R>; 3]| [part(&lists[0]), part(&lists[1]), part(&lists[2])];
+        Self {
+            position: parts(&self.position),
+            normal: parts(&self.normal),
+            normal_length: part(&self.normal_length),
+            to_viewer: parts(&self.to_viewer),
+            color: parts(&self.color),
         }
     }
     /// Adds the vertex colour of the last point: either all points of a list have one, or none.
@@ -229,8 +245,10 @@ pub struct Counters {
     pub spot_tests: u64,
     /// Highlights that needed the half vector or the reflected direction (exponent not 0).
     pub half_vectors: u64,
-    /// Powers computed, of highlights and of spot falloffs (exponents other than 0 and 1).
+    /// Highlights that needed a power (shininess other than 0 and 1).
     pub pow_calls: u64,
+    /// Points times lights whose falloff inside the cone needed a power (exponents other than 0 and 1).
+    pub spot_pow_calls: u64,
     /// Times that visibility was asked for: once a light and call.
     pub visibility_queries: u64,
 }
@@ -244,6 +262,7 @@ impl AddAssign for Counters {
         self.spot_tests += other.spot_tests;
         self.half_vectors += other.half_vectors;
         self.pow_calls += other.pow_calls;
+        self.spot_pow_calls += other.spot_pow_calls;
         self.visibility_queries += other.visibility_queries;
     }
 }

@@ -5,6 +5,7 @@
 //! Everything that is the same for all points of a light (its kind, its powers, the specular form) is decided outside
 //! the lanes or by a branch that always goes the same way.
 
+use super::Faults;
 use super::light::{DirectionalLight, Incident, Light, PointLight, Power, SpotLight};
 use super::scratch::Scratch;
 use super::vector::{cross_squared, dot3, ln_cosine, zero_to};
@@ -41,6 +42,9 @@ pub(super) struct Products<R> {
     pub(super) careful: bool,
     /// Some colour of the scene is negative: terms are finite and never -0, sums run in f64.
     pub(super) signed: bool,
+    /// Terms go out as they come: neither signed nor touched by a mistake.
+    pub(super) as_is: bool,
+    pub(super) faults: Faults,
     pub(super) power: Power<R>,
     pub(super) model: SpecularModel,
 }
@@ -153,7 +157,10 @@ pub(super) fn weigh<L: Lanes>(
         let lit = product(n_dot_l * length, factor, products.careful);
         lit.store(&mut scratch.diffuse[i..]);
         // The gate f_i: no highlight where the light is at or below the horizon.
-        let faces = n_dot_l.gt(zero);
+        let mut faces = n_dot_l.gt(zero);
+        if products.faults.ungated_specular {
+            faces = faces | n_dot_l.le(zero);
+        }
         let mut highlight = zero;
         if products.has.specular && faces.any() {
             let to_light = [
@@ -168,6 +175,11 @@ pub(super) fn weigh<L: Lanes>(
                     half_vector(products.power, normal, length, to_light, to_viewer)
                 }
                 SpecularModel::Reflection => {
+                    let n_dot_l = if products.faults.ungated_specular {
+                        dot3(normal, to_light)
+                    } else {
+                        n_dot_l
+                    };
                     reflection(products.power, normal, n_dot_l, to_light, to_viewer)
                 }
             };
@@ -196,9 +208,8 @@ fn half_vector<L: Lanes>(
     match power {
         Power::Zero => one,
         Power::One => {
-            let n_dot_half = dot3(normal, half);
-            let cosine = n_dot_half * normal_length / dot3(half, half).sqrt();
-            L::select(n_dot_half.gt(zero), cosine, zero)
+            let cosine = n_dot_h(normal, normal_length, half);
+            L::select(dot3(normal, half).gt(zero), cosine, zero)
         }
         Power::Other(exponent) => {
             let n_dot_half = dot3(normal, half);
@@ -210,6 +221,23 @@ fn half_vector<L: Lanes>(
             L::select(n_dot_half.gt(zero), value, L::splat(zero_to(exponent)))
         }
     }
+}
+
+/// n.h for h = `half` made unit length; not a number where it is zero.
+#[inline(always)]
+pub(super) fn n_dot_h<L: Lanes>(normal: [L; 3], normal_length: L, half: [L; 3]) -> L {
+    dot3(normal, half) * normal_length / dot3(half, half).sqrt()
+}
+
+/// R = 2(N.L)N - L.
+#[inline(always)]
+pub(super) fn mirrored<L: Lanes>(normal: [L; 3], n_dot_l: L, to_light: [L; 3]) -> [L; 3] {
+    let twice = n_dot_l + n_dot_l;
+    [
+        twice.mul_add(normal[0], -to_light[0]),
+        twice.mul_add(normal[1], -to_light[1]),
+        twice.mul_add(normal[2], -to_light[2]),
+    ]
 }
 
 /// ln of the length that a normal enters with: nothing to compute where all are 1.
@@ -232,12 +260,7 @@ fn reflection<L: Lanes>(
     to_viewer: [L; 3],
 ) -> L {
     let (zero, one) = (L::splat(L::Scalar::ZERO), L::splat(L::Scalar::ONE));
-    let twice = n_dot_l + n_dot_l;
-    let reflected = [
-        twice.mul_add(normal[0], -to_light[0]),
-        twice.mul_add(normal[1], -to_light[1]),
-        twice.mul_add(normal[2], -to_light[2]),
-    ];
+    let reflected = mirrored(normal, n_dot_l, to_light);
     let v_dot_r = dot3(to_viewer, reflected);
     match power {
         Power::Zero => one,
@@ -347,6 +370,10 @@ fn terms<L: Lanes>(
         diffuse = product(diffuse, s, careful);
         specular = product(specular, s, careful);
     }
+    if products.as_is {
+        return [ambient, diffuse, specular];
+    }
+    let [ambient, diffuse, specular] = products.faults.early.terms([ambient, diffuse, specular]);
     if !products.signed {
         return [ambient, diffuse, specular];
     }

@@ -6,6 +6,7 @@
 //! is +0, or a factor of 1; under `--model full` every product is evaluated, zero or not, and the bits are the same again.
 
 use super::Light;
+use super::faults::Faults;
 use super::parts::Has;
 use super::{PointLight, Power};
 use crate::gl;
@@ -26,6 +27,7 @@ pub struct Rig<R> {
     /// Lights that no material can show are passed over.
     pub(super) live: Vec<bool>,
     pub(super) switches: Switches,
+    pub(super) faults: Faults,
 }
 
 /// Which parts of the equation may be evaluated at all. The others belong to the lights themselves.
@@ -51,7 +53,14 @@ impl<R: Real> Rig<R> {
             model: model.clone(),
             live: vec![true; lights_eye.len()],
             switches: Switches::ALL,
+            faults: Faults::default(),
         }
+    }
+
+    /// The same lights under an equation with mistakes.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self { faults, ..self }
     }
 
     /// The same, with the parts of the equation that a scene requires; `lights_eye` are that scene's enabled lights.
@@ -79,6 +88,7 @@ impl<R: Real> Rig<R> {
             model: model.clone(),
             live: needs.live_lights.clone(),
             switches: Switches::of(needs),
+            faults: Faults::default(),
         }
     }
 

@@ -17,9 +17,11 @@ impl<R: Real> Call<'_, '_, R> {
             for (i, point) in range.clone().enumerate() {
                 let color = self.points.color[c][point].to_f64();
                 let pick = |follows: bool, own: f64| if follows { color } else { own };
-                let emission = finite::<R>(pick(tracked.emission, self.material.emission[c]));
+                let early = self.rig.faults.early;
+                let emission = pick(tracked.emission, self.material.emission[c]);
+                let emission = early.constant(finite::<R>(emission));
                 let ambient = pick(tracked.ambient, self.material.ambient[c]);
-                let ambient = finite::<R>(ambient * self.rig.model.ambient[c]);
+                let ambient = early.constant(finite::<R>(ambient * self.rig.model.ambient[c]));
                 match &mut self.sink {
                     Sink::Record(layers) => {
                         layers[0][c][point] = emission;

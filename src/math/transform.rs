@@ -19,6 +19,13 @@ pub fn normal_matrix(m: &DAffine3) -> DMat3 {
     }
 }
 
+/// What makes of a normal of the target space the one that the model matrix itself would have given: M M^T, since the
+/// object normal is along M^T n. A mistake (GL 2.1 section 2.11.3 asks for the inverse transpose), for [`crate::trace`] and
+/// for assemblies that show it.
+pub fn model_matrix_normal(m: &DMat3) -> DMat3 {
+    *m * m.transpose()
+}
+
 /// GL_RESCALE_NORMAL's factor: 1 / length of row 3 of the inverse modelview (GL 2.1 section 2.11.3).
 pub fn rescale_factor(eye_from_object: &DMat3) -> f64 {
     let inverse = eye_from_object.inverse();

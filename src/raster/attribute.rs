@@ -93,6 +93,19 @@ impl Weights {
         }
     }
 
+    /// The weights of the window at the same place: what leaving out the division by w amounts to. b_i = (l_i / w_i) / sum,
+    /// so l_i is b_i w_i / sum; triangles that reach behind the eye have none, and keep `b`.
+    pub(super) fn affine(&self, b: [f64; 3]) -> [f64; 3] {
+        let w = [self.corner[0][2], self.corner[1][2], self.corner[2][2]];
+        let l = [b[0] * w[0], b[1] * w[1], b[2] * w[2]];
+        let sum = l[0] + l[1] + l[2];
+        if w.iter().all(|w| *w > 0.0) && sum > 0.0 {
+            l.map(|l| l / sum)
+        } else {
+            b
+        }
+    }
+
     /// Weights on the triangle's whole plane, without the rule for samples outside; `None` where they have no value.
     pub(super) fn on_plane(&self, ray: [f64; 2]) -> Option<[f64; 3]> {
         let e = self.edges(ray);

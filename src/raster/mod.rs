@@ -31,9 +31,11 @@ mod clip;
 mod coverage;
 mod draw;
 mod edges;
+mod faults;
 mod jumps;
 mod lit;
 mod outline;
+pub mod record;
 mod records;
 mod setup;
 mod shade;
@@ -44,6 +46,9 @@ mod view;
 mod window;
 
 pub use coverage::{Run, coverage, coverage_clip_space, depth_key, perspective_weights};
+pub use faults::Faults;
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -59,6 +64,7 @@ use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{self, Feature, Model, Requirements};
 use draw::Drawer;
 use lit::Mode;
+use record::Record;
 use records::{Chunk, SampleBox, TileGrid};
 use setup::{Builder, DepthOrder};
 use view::{Vertex, View};
@@ -147,9 +153,11 @@ pub struct Plan<'a, R> {
     viewers: bool,
     view: View,
     grid: TileGrid,
-    chunks: Vec<Chunk>,
+    chunks: Arc<Vec<Chunk>>,
     /// For each material the alpha that it is blended with, `None` where it is opaque; empty where nothing is blended.
     alphas: Vec<Option<f64>>,
+    model: Model,
+    faults: Faults,
 }
 
 impl<'a, R: Real> Plan<'a, R> {
@@ -177,8 +185,24 @@ impl<'a, R: Real> Plan<'a, R> {
             },
             origin: [0; 2],
         };
+        let mut plan = Self::over(scene, assembly, view, grid, Arc::default(), needs);
+        if drawable {
+            plan.chunks = Arc::new(plan.set_up());
+        }
+        plan
+    }
+
+    /// A plan over triangles that are set up.
+    fn over(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        view: View,
+        grid: TileGrid,
+        chunks: Arc<Vec<Chunk>>,
+        needs: &Requirements,
+    ) -> Self {
         let light_model = &scene.light_model;
-        let mut plan = Self {
+        Self {
             scene,
             assembly,
             rig: Rig::planned(&scene.lights_eye(), light_model, needs),
@@ -187,13 +211,29 @@ impl<'a, R: Real> Plan<'a, R> {
             viewers: light_model.local_viewer && needs.has(Feature::ViewVector),
             view,
             grid,
-            chunks: Vec::new(),
+            chunks,
             alphas: blend::alphas(scene),
-        };
-        if drawable {
-            plan.chunks = plan.set_up();
+            model: needs.model(),
+            faults: Faults::default(),
         }
-        plan
+    }
+
+    /// The same triangles, set up as they are, under a scene that differs in lights, materials or light model alone, and an
+    /// assembly that differs in normals or the order of corners alone.
+    pub fn relit<'b>(&self, scene: &'b Scene, assembly: &'b Assembly<R>) -> Plan<'b, R> {
+        let (view, chunks) = (self.view.clone(), Arc::clone(&self.chunks));
+        let needs = Requirements::plan(scene, requirements::Mode::Raster, self.model);
+        Plan::over(scene, assembly, view, self.grid, chunks, &needs)
+    }
+
+    /// The same plan with mistakes in it.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self {
+            rig: self.rig.with_faults(faults.lighting),
+            faults,
+            ..self
+        }
     }
 
     /// Draws the picture.
@@ -223,14 +263,72 @@ impl<'a, R: Real> Plan<'a, R> {
         if (frame.color.width, frame.color.height) != (width, height) {
             *frame = Frame::empty(width, height);
         }
-        frame.layers = options.layers.then(|| {
-            let names = self.scene.light_names();
-            Layers::zero(&names, width, height, mode.signed)
-        });
+        frame.layers = self.layers(options, &mode, [width, height]);
         let drawn = Drawer::new(self, &mode, options).bands(frame);
         debug_assert!(!frame.has_nan(), "no NaN leaves the rasterizer");
         let counters = self.chunks.iter().map(|chunk| &chunk.counters);
         Ok(counters.fold(drawn, |sum, c| sum.plus(c)))
+    }
+
+    /// One pixel of [`Plan::draw`]: a picture of that pixel alone, the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a pixel outside the picture, and as [`Plan::draw`].
+    pub fn draw_pixel(&self, options: &Options, pixel: [u32; 2]) -> Result<Frame<R>, Error> {
+        Ok(self.pixel(options, pixel, None)?.0)
+    }
+
+    /// What happens on the way to a pixel of [`Plan::draw`]: the colours of its samples, and what sample `keep` shows.
+    ///
+    /// # Errors
+    /// As [`Plan::draw_pixel`].
+    pub fn record_pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        keep: u32,
+    ) -> Result<Record<R>, Error> {
+        // Single terms are kept only for layers.
+        let options = Options {
+            layers: true,
+            ..*options
+        };
+        let record = Some(Box::new(Record::new(keep)));
+        let (_, record) = self.pixel(&options, pixel, record)?;
+        Ok(record.map(|record| *record).unwrap_or_default())
+    }
+
+    fn pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        record: Option<Box<Record<R>>>,
+    ) -> Result<(Frame<R>, Option<Box<Record<R>>>), Error> {
+        check_image(self.scene)?;
+        let pixel = self.scene.image.check_pixel(pixel)?;
+        let mode = Mode::new(self, options);
+        let mut frame = Frame::empty(1, 1);
+        frame.layers = self.layers(options, &mode, [1, 1]);
+        let record = Drawer::new(self, &mode, options).pixel(pixel, &mut frame, record);
+        Ok((frame, record))
+    }
+
+    /// Layers of +0, where they are asked for.
+    fn layers(
+        &self,
+        options: &Options,
+        mode: &Mode,
+        [width, height]: [usize; 2],
+    ) -> Option<Layers<R>> {
+        options.layers.then(|| {
+            let names = self.scene.light_names();
+            Layers::zero(&names, width, height, mode.signed)
+        })
+    }
+
+    /// The lights of the equation, resolved.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
     }
 
     /// The corners of a primitive.
@@ -245,7 +343,7 @@ impl<'a, R: Real> Plan<'a, R> {
     }
 
     /// The material of a surface number.
-    fn material(&self, surface: usize) -> &gl::Material {
+    pub fn material(&self, surface: usize) -> &gl::Material {
         let material = &self.scene.materials[surface / 2];
         match &material.back {
             Some(back) if surface % 2 == 1 => back,

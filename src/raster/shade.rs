@@ -13,6 +13,7 @@
 use super::attribute::{Weights, mix, mix_colors, mix3};
 use super::blend::Front;
 use super::lit::{Lit, Mode, Output};
+use super::record::Record;
 use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
@@ -31,8 +32,8 @@ pub(super) struct Fragment {
     /// Place in the tile, row-major with stride [`TILE`].
     pub(super) at: u16,
     /// Numbers of its lit points: three vertices (Gouraud), or one point three times.
-    points: [u32; 3],
-    weights: [f64; 3],
+    pub(super) points: [u32; 3],
+    pub(super) weights: [f64; 3],
 }
 
 /// What one sample of each pixel of a tile shows, row-major with stride [`TILE`].
@@ -106,6 +107,8 @@ pub(super) struct Workspace<R> {
     pub(super) lit: Lit<R>,
     /// What blending needs.
     pub(super) front: Front,
+    /// Who listens, if anybody does: then the tile is one pixel.
+    pub(super) record: Option<Box<Record<R>>>,
     slots: SlotMap,
     batches: Batches<R>,
     output: Output<R>,
@@ -120,6 +123,7 @@ impl<R: Real> Workspace<R> {
             fragments: Vec::new(),
             lit: Lit::default(),
             front: Front::new(),
+            record: None,
             slots: SlotMap::new(),
             output: Output::default(),
             batches: Batches::new(materials),
@@ -140,6 +144,15 @@ impl<R: Real> Workspace<R> {
         }
         self.show_background(pass);
         self.show_colors(pass.mode);
+        if let Some(record) = &mut self.record {
+            record.show(
+                pass.plan,
+                pass.mode.shading,
+                &self.fragments,
+                &[],
+                &self.lit,
+            );
+        }
     }
 
     /// Lists the visible samples, and the points to be lit for them.
@@ -173,7 +186,10 @@ impl<R: Real> Workspace<R> {
     ) {
         let range = [pass.plan.view.near, pass.plan.view.far];
         let ray = pass.samples.ray(x, y);
-        let weights = seen.weights.between(ray, seen.distance, range);
+        let mut weights = seen.weights.between(ray, seen.distance, range);
+        if pass.plan.faults.affine {
+            weights = seen.weights.affine(weights);
+        }
         let mut points = seen.points;
         if pass.mode.shading == ShadeModel::Phong {
             let tag = self.fragments.len() as u32;
@@ -196,6 +212,9 @@ impl<R: Real> Workspace<R> {
         let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
         let surface = surface(material, back);
+        if let Some(record) = &mut self.record {
+            record.meet(primitive, surface);
+        }
         let points = match mode.shading {
             ShadeModel::Phong => [0; 3],
             // The provoking vertex is the last (GL 2.1 section 2.14.7).
@@ -243,6 +262,7 @@ impl<R: Real> Workspace<R> {
         let place = |v| assembly.vertex_eye(v);
         let position = mix3(weights, [place(a), place(b), place(c)]);
         let mut normal = [R::ZERO; 3];
+        let mut length = 0.0;
         if plan.normals {
             let at = |v| assembly.vertex_normal_weighted(v);
             let [p, q, r] = [at(a), at(b), at(c)];
@@ -251,11 +271,17 @@ impl<R: Real> Workspace<R> {
                 mix(weights, [p[1], q[1], r[1]]),
                 mix(weights, [p[2], q[2], r[2]]),
             ];
-            normal = turned(normalize(raw).0.map(R::from_f64), seen.surface);
+            let unit;
+            (unit, length) = normalize(raw);
+            normal = turned(unit.map(R::from_f64), seen.surface);
         }
         let viewer = to_viewer(position, plan.viewers);
         self.batches
             .push(seen.surface, tag, position, normal, viewer);
+        if plan.faults.normals_unnormalized {
+            let points = &mut self.batches.batch(seen.surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         if !assembly.color[0].is_empty() {
             let color = |v: u32| [0, 1, 2].map(|k: usize| assembly.color[k][v as usize]);
             let color = mix3(weights, [color(a), color(b), color(c)]);
@@ -282,6 +308,9 @@ impl<R: Real> Workspace<R> {
         self.lit.resize(mode, count);
         for batch in self.batches.iter() {
             counters.lighting += self.lit.light(pass, batch, &mut self.output);
+            if let Some(record) = &mut self.record {
+                record.lit(batch, &self.lit);
+            }
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
             let normals = pass.plan.normals && !per_vertex;

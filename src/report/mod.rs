@@ -7,6 +7,7 @@
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
 //! - [`folder`]: the files of a comparison, by name.
+//! - [`checked`]: somebody's own picture beside the mistaken and the right one.
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
 //!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
@@ -16,6 +17,7 @@
 
 pub mod animation;
 pub mod causes;
+pub mod checked;
 pub mod deck;
 pub mod equation;
 pub mod figures;

@@ -20,6 +20,7 @@
 use std::borrow::Cow;
 
 pub use super::piece::Piece;
+use crate::lanes::Real;
 use crate::math::DVec2;
 
 /// How a profile's points are joined.
@@ -206,6 +207,10 @@ fn is_crease(points: &[[f64; 2]], i: usize) -> bool {
 /// The Catmull-Rom segments through points; doubled points, and points on the axis, end one spline and begin the next.
 fn spline(points: &[DVec2]) -> Vec<Piece> {
     let n = points.len();
+    let largest = points
+        .iter()
+        .fold(0.0f64, |most, p| most.max(p.abs().max_element()));
+    let (down, _) = largest.power_of_two_scale();
     let is_ring = points[0] == points[n - 1];
     let mut segments = Vec::with_capacity(n);
     let mut first = 0;
@@ -225,15 +230,19 @@ fn spline(points: &[DVec2]) -> Vec<Piece> {
         through.extend(run);
         let (end, before) = (run[run.len() - 1], run[run.len() - 2]);
         through.push(beyond(end, before, opens.then(|| points[1])));
-        segments.extend(through.windows(4).map(catmull_rom));
+        segments.extend(through.windows(4).map(|p| catmull_rom(p, down)));
         first = last + usize::from(last + 1 < n && points[last] == points[last + 1]);
     }
     segments
 }
 
 /// The segment between the middle two of four points, with knots at the square roots of their distances.
-fn catmull_rom(p: &[DVec2]) -> Piece {
-    let knot = |i: usize| libm::hypot(p[i + 1].x - p[i].x, p[i + 1].y - p[i].y).sqrt();
+///
+/// Distances are first multiplied by `down`, the power of two that brings the whole profile near 1: so a profile twice as
+/// large has pieces exactly twice as large, although the root of 2 is no power of two.
+fn catmull_rom(p: &[DVec2], down: f64) -> Piece {
+    let distance = |i: usize| libm::hypot(p[i + 1].x - p[i].x, p[i + 1].y - p[i].y);
+    let knot = |i: usize| (distance(i) * down).sqrt();
     let (a, b, c) = (knot(0), knot(1), knot(2));
     let leave = tangent([p[0], p[1], p[2]], a, b);
     let arrive = tangent([p[1], p[2], p[3]], b, c);

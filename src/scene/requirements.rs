@@ -209,6 +209,15 @@ impl Requirements {
         self.full
     }
 
+    /// What it was made for: see [`Self::is_full`].
+    pub fn model(&self) -> Model {
+        if self.full {
+            Model::Full
+        } else {
+            Model::Required
+        }
+    }
+
     /// The same without one feature. A plan made of this draws a wrong picture wherever the feature was needed: so tests
     /// show that nothing reported is superfluous.
     #[must_use]

@@ -1,5 +1,6 @@
 //! What objects are made of: exact shapes and indexed meshes, in object space.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::profile::Profile;
@@ -119,6 +120,40 @@ impl Mesh {
         self.slots.get(triangle).map_or(0, |s| *s as usize)
     }
 
+    /// Whether it encloses solids: every edge, told by the places of its ends, is a side of an even number of triangles, and there is one.
+    ///
+    /// ```
+    /// use rastray::math::DVec3;
+    /// use rastray::scene::Mesh;
+    /// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    /// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    /// let mut tetrahedron = Mesh { positions, triangles, ..Mesh::default() };
+    /// assert!(tetrahedron.is_closed());
+    /// tetrahedron.triangles.pop();
+    /// assert!(!tetrahedron.is_closed());
+    /// ```
+    pub fn is_closed(&self) -> bool {
+        let mut places = HashMap::with_capacity(self.positions.len());
+        // Adding 0 makes one of 0 and -0.
+        let place_of = |p: &DVec3| {
+            let next = places.len();
+            *places
+                .entry((*p + DVec3::ZERO).to_array().map(f64::to_bits))
+                .or_insert(next)
+        };
+        let place: Vec<usize> = self.positions.iter().map(place_of).collect();
+        let sides = self.triangles.iter().flat_map(|&[a, b, c]| {
+            [(a, b), (b, c), (c, a)].map(|(a, b)| {
+                let (a, b) = (place[a as usize], place[b as usize]);
+                (a.min(b), a.max(b))
+            })
+        });
+        let mut sides: Vec<_> = sides.filter(|(a, b)| a != b).collect();
+        sides.sort_unstable();
+        let mut runs = sides.chunk_by(|a, b| a == b);
+        !sides.is_empty() && runs.all(|run| run.len() % 2 == 0)
+    }
+
     /// Area-weighted vertex normals: the normalised sum of (b - a) x (c - a) over the incident triangles.
     pub fn area_weighted_normals(&self) -> Vec<DVec3> {
         let mut normals = vec![DVec3::ZERO; self.positions.len()];
@@ -141,5 +176,17 @@ impl Shape {
     /// polygon.
     pub fn is_flat(&self) -> bool {
         matches!(self, Self::Patch { .. } | Self::Box { .. })
+    }
+
+    /// Whether it encloses a solid; else it is a surface without thickness. A set of Bezier patches counts as open: whether its
+    /// borders meet is not looked at.
+    pub fn is_closed(&self) -> bool {
+        match self {
+            Self::Sphere { .. } | Self::Box { .. } | Self::Torus { .. } => true,
+            Self::Cylinder { caps, .. } => *caps,
+            Self::Cone { cap, .. } => *cap,
+            Self::Revolution { profile, .. } => profile.is_closed(),
+            Self::Patch { .. } | Self::Disk { .. } | Self::Bezier { .. } => false,
+        }
     }
 }

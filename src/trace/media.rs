@@ -3,7 +3,7 @@
 //! Crossing the surface of object A removes A from the list if it is there, else appends it. The index before is that of the
 //! last entry before, the index after that of the last entry after; an empty list is air (1). So a hollow ball is one
 //! ball inside another, and touching or overlapping solids need no care. Lists are kept once and named by number, so that
-//! rays stay small. Primary rays start in air, wherever the camera stands.
+//! rays stay small. Where primary rays start: [`super::inside`].
 
 use std::collections::HashMap;
 
@@ -45,6 +45,11 @@ impl Media {
             lists: vec![Vec::new()],
             known: HashMap::from([(Vec::new(), AIR)]),
         }
+    }
+
+    /// Index of refraction in a list of media.
+    pub(super) fn ior(&self, media: MediaId) -> f64 {
+        index(&self.lists[media as usize])
     }
 
     /// Crosses the surface of an object whose inside has the index `ior`.

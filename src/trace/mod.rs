@@ -14,8 +14,10 @@
 //! | `bezier` | bicubic patches |
 //! | `solid` `surface` | shapes in the world; everything that rays meet, under one hierarchy |
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
-//! | `optics` `media` `branch` | directions, media, secondary rays |
+//! | `optics` `media` `inside` `branch` | directions, media, those that the camera is in, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
+//! | `record` | what happened on the way to one pixel, for whoever explains it |
+//! | `faults` | mistakes that people make, for `check` |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -30,7 +32,7 @@
 //! Vertex colours are interpolated as normals are, and light a hit in place of the terms that its material tracks; exact
 //! shapes are white, GL's current colour by default.
 //!
-//! Left out: textures, packets; a camera inside a medium starts in air all the same.
+//! Left out: textures, packets.
 
 mod bezier;
 mod body;
@@ -42,13 +44,16 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disk;
 pub mod exact;
+mod faults;
 mod hyperbola;
+mod inside;
 mod instance;
 mod isolate;
 mod media;
 pub mod optics;
 pub mod planar;
 pub mod ray;
+pub mod record;
 pub mod revolution;
 mod shadow;
 mod solid;
@@ -60,11 +65,14 @@ pub mod surface;
 mod tile;
 pub mod torus;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use faults::{Faults, Normals};
+pub use shadow::Lamp;
 pub use surface::Surfaces;
 
 use crate::error::Error;
@@ -76,7 +84,10 @@ use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
-use shadow::{Lamp, lamps};
+use inside::Inside;
+use ray::Ray;
+use record::Record;
+use shadow::lamps;
 use tile::{Area, TileFrame};
 
 /// The most secondary rays that one sample of a pixel may cast.
@@ -109,7 +120,7 @@ pub struct Options {
     pub shadows: bool,
     /// Mirror rays are cast.
     pub reflection: bool,
-    /// Transmitted rays are cast.
+    /// Transmitted rays are cast, and primary rays start in the media around the camera.
     pub refraction: bool,
     /// The frame carries its layers.
     pub layers: bool,
@@ -204,7 +215,8 @@ impl Counters {
 #[derive(Clone, Debug)]
 pub struct Plan<'a, R> {
     scene: &'a Scene,
-    surfaces: Surfaces<'a, R>,
+    surfaces: Arc<Surfaces<'a, R>>,
+    inside: Inside,
     rig: Rig<R>,
     /// The enabled lights: places in the world, and GL parameters in eye space.
     lamps: Vec<Lamp>,
@@ -213,6 +225,7 @@ pub struct Plan<'a, R> {
     /// Some colour is negative: sums run in f64.
     signed: bool,
     build_seconds: f64,
+    faults: Faults,
 }
 
 impl<'a, R: Real> Plan<'a, R> {
@@ -248,17 +261,50 @@ impl<'a, R: Real> Plan<'a, R> {
         let start = Instant::now();
         let surfaces = Surfaces::new(scene, assembly, geometry == Geometry::Exact);
         let build_seconds = start.elapsed().as_secs_f64();
+        Ok(Self::over(scene, Arc::new(surfaces), needs, build_seconds))
+    }
+
+    /// A plan over surfaces that are there.
+    fn over(
+        scene: &'a Scene,
+        surfaces: Arc<Surfaces<'a, R>>,
+        needs: Requirements,
+        build_seconds: f64,
+    ) -> Self {
         let sources = scene.lights_eye();
-        Ok(Self {
+        Self {
             scene,
             surfaces,
+            inside: Inside::new(scene),
             rig: Rig::planned(&sources, &scene.light_model, &needs),
             lamps: lamps(scene),
             sources,
             needs,
             signed: scene.has_negative_colors(),
             build_seconds,
-        })
+            faults: Faults::default(),
+        }
+    }
+
+    /// The same surfaces and their hierarchy under a scene that differs in lights, materials, light model, settings of the
+    /// tracer, size or projection alone: objects, the camera's place, `normalize` and front faces are those of the first.
+    pub fn relit<'b>(&self, scene: &'b Scene) -> Plan<'b, R>
+    where
+        'a: 'b,
+    {
+        let surfaces: Arc<Surfaces<'b, R>> = self.surfaces.clone();
+        let needs = Requirements::plan(scene, Mode::Trace, self.needs.model());
+        Plan::over(scene, surfaces, needs, self.build_seconds)
+    }
+
+    /// The same plan with mistakes in it.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self {
+            rig: self.rig.with_faults(faults.lighting),
+            faults,
+            ..self
+        }
     }
 
     /// How long the hierarchy took to build, in seconds. Kept apart from [`Counters`], which repeat.
@@ -318,8 +364,64 @@ impl<'a, R: Real> Plan<'a, R> {
         Ok((frame, counters))
     }
 
+    /// One pixel of [`Self::draw`]: a picture of that pixel alone, the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a pixel outside the picture, and as [`Self::draw`].
+    pub fn draw_pixel(&self, options: &Options, pixel: [u32; 2]) -> Result<Frame<R>, Error> {
+        let [x, y] = self.scene.image.check_pixel(pixel)?;
+        let area = Area {
+            x,
+            y,
+            width: 1,
+            height: 1,
+        };
+        let mut tile = tile::draw(self, options, area)?;
+        let mut frame = Frame::empty(1, 1);
+        if options.layers {
+            frame.layers = Some(Layers::zero(&self.scene.light_names(), 1, 1, self.signed));
+        }
+        (tile.area.x, tile.area.y) = (0, 0);
+        place(&mut frame, &tile);
+        Ok(frame)
+    }
+
+    /// What happens on the way to a pixel of [`Self::draw`]: the colours of its samples, and the rays of sample `keep`.
+    ///
+    /// # Errors
+    /// As [`Self::draw_pixel`].
+    pub fn record_pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        keep: u32,
+    ) -> Result<Record<R>, Error> {
+        let pixel = self.scene.image.check_pixel(pixel)?;
+        let (_, record) = tile::record(self, options, pixel, None, Record::new(keep))?;
+        Ok(record)
+    }
+
+    /// What happens to a ray in world space: seen along itself, one sample, near and far left out.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it casts too many secondary rays.
+    pub fn record_ray(&self, options: &Options, ray: &Ray) -> Result<Record<R>, Error> {
+        let (_, record) = tile::record(self, options, [0; 2], Some(*ray), Record::new(0))?;
+        Ok(record)
+    }
+
+    /// Where the enabled lights are.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// The lights of the equation, resolved.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
+    }
+
     /// GL material of a surface number (`lighting::surface`).
-    fn material(&self, surface: usize) -> &gl::Material {
+    pub fn material(&self, surface: usize) -> &gl::Material {
         let material = &self.scene.materials[surface / 2];
         match &material.back {
             Some(back) if surface % 2 == 1 => back,

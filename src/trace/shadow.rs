@@ -8,7 +8,9 @@
 
 use super::Counters;
 use super::bvh::Walker;
-use super::ray::{Foot, Ray};
+use super::faults::Faults;
+use super::ray::{Foot, Hit, Ray};
+use super::record::{Record, ShadowRecord};
 use super::surface::{Site, Surfaces};
 use crate::gl;
 use crate::lanes::Real;
@@ -18,7 +20,7 @@ use crate::scene::{LightSpace, Scene, Shadow};
 
 /// Where a light is, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Lamp {
+pub enum Lamp {
     /// At a point.
     Point(DVec3),
     /// Infinitely far in a direction (towards the light).
@@ -67,6 +69,8 @@ pub(super) struct Shadows<'s, 'a, R> {
     /// GL source of each lamp, for its colours.
     pub(super) sources: &'s [gl::LightSource],
     pub(super) material: &'s gl::Material,
+    /// Mistakes asked for.
+    pub(super) faults: &'s Faults,
     /// `--model full`: rays are cast even where no product can show them.
     pub(super) ask_all: bool,
     /// Sites of the queue; `tags` says which one each point of the batch is.
@@ -74,6 +78,8 @@ pub(super) struct Shadows<'s, 'a, R> {
     pub(super) tags: &'s [u32],
     pub(super) walker: &'s mut Walker,
     pub(super) counters: &'s mut Counters,
+    /// Who listens, if anybody does.
+    pub(super) record: Option<&'s mut Record<R>>,
 }
 
 impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
@@ -81,13 +87,22 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
         if !self.ask_all && !casts_shadows(self.material, &self.sources[light]) {
             return;
         }
+        let lamp = self.lamps[light];
+        if self.faults.never_blocks(lamp) {
+            return;
+        }
         for (i, &tag) in self.tags.iter().enumerate() {
             let (true, Some(site)) = (illumination.facing[i], &self.sites[tag as usize]) else {
                 continue;
             };
-            let ray = shadow_ray(&site.foot, site.skip, self.lamps[light]);
+            let right = shadow_ray(&site.foot, site.skip, lamp);
+            let ray = self.faults.shadow_ray(right, &site.foot, lamp);
             self.counters.rays.shadow += 1;
             let lit = self.light_through(&ray);
+            if let Some(record) = self.record.as_deref_mut() {
+                let crossed = crossed(self.surfaces, self.scene, &ray, lit);
+                record.shadow(tag, light, ShadowRecord { ray, lit, crossed });
+            }
             for (channel, s) in out.iter_mut().zip(lit) {
                 channel[i] = R::from_f64(s);
             }
@@ -98,7 +113,7 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
 impl<R: Real> Shadows<'_, '_, R> {
     fn light_through(&mut self, ray: &Ray) -> [f64; 3] {
         if self.scene.trace.shadow == Shadow::Opaque {
-            let blocked = self.surfaces.any_hit(ray, self.walker);
+            let blocked = self.faults.any_hit(self.surfaces, ray, self.walker);
             return [if blocked { 0.0 } else { 1.0 }; 3];
         }
         let (surfaces, materials) = (self.surfaces, &self.scene.materials);
@@ -117,6 +132,31 @@ impl<R: Real> Shadows<'_, '_, R> {
                 })
             })
     }
+}
+
+/// What took light from a shadow ray: the nearest blocker, or every filter that it crosses up to the first that blocks.
+fn crossed<R: Real>(
+    surfaces: &Surfaces<'_, R>,
+    scene: &Scene,
+    ray: &Ray,
+    lit: [f64; 3],
+) -> Vec<(u32, f64)> {
+    let name = |hit: &Hit| (surfaces.object(hit), hit.t);
+    let mut walker = Walker::default();
+    if scene.trace.shadow == Shadow::Opaque {
+        let nearest = surfaces.closest_hit(ray, &mut walker);
+        return nearest.iter().map(name).collect();
+    }
+    let all = surfaces.crossings(ray, &mut walker, |_| true);
+    let mut found = Vec::new();
+    for hit in all.unwrap_or_default() {
+        found.push(name(&hit));
+        let material = &scene.materials[surfaces.material(ray, &hit) as usize];
+        if lit == [0.0; 3] && !material.optics.is_transmissive() {
+            break;
+        }
+    }
+    found
 }
 
 /// Whether S_L of this light can matter to this material.

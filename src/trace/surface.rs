@@ -44,6 +44,8 @@ pub struct Surfaces<'a, R> {
 /// What the tracer knows of a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Site<R> {
+    /// Parameter of the ray that arrived.
+    pub t: f64,
     /// The point, its geometric normal, and the bound of its error; world space.
     pub foot: Foot,
     /// The point in eye space.
@@ -178,7 +180,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
     /// Shows `visit` every hit that the hierarchy cannot rule out, at any t, with the bound on t, which it may lower; it
     /// returns true to stop. Returns whether it did.
     #[inline]
-    fn walk(
+    pub(super) fn walk(
         &self,
         ray: &Ray,
         walker: &mut Walker,
@@ -245,6 +247,38 @@ impl<'a, R: Real> Surfaces<'a, R> {
             self.assembly.object[hit.item as usize]
         } else {
             self.solid(hit.item).object
+        }
+    }
+
+    /// A ray enters a convex body there, and leaves it elsewhere.
+    pub(super) fn enters_convex(&self, hit: &Hit) -> bool {
+        let convex = |solid: &Solid| solid.is_convex() && !solid.is_planar();
+        hit.item & SOLID != 0 && !hit.back && convex(self.solid(hit.item))
+    }
+
+    /// Linear part of world from object, of the object hit.
+    pub(super) fn model_matrix(&self, hit: &Hit) -> DMat3 {
+        let object = &self.scene.objects[self.object(hit) as usize];
+        object.world_from_object.matrix3
+    }
+
+    /// Length of a triangle's normal as its vertices' weigh it; `None` for exact shapes.
+    pub(super) fn length_left(&self, hit: &Hit) -> Option<f64> {
+        if hit.item & SOLID != 0 {
+            return None;
+        }
+        let triangle = self.assembly.triangles[hit.item as usize];
+        let [a, b, c] =
+            triangle.map(|v| DVec3::from_array(self.assembly.vertex_normal_weighted(v)));
+        let [u, v] = hit.uv;
+        Some(((1.0 - u - v) * a + u * b + v * c).length())
+    }
+
+    /// Length of the object normal that an exact shape's own formula leaves: P - C of a sphere has that of its radius.
+    pub(super) fn length_of_shape(&self, hit: &Hit) -> f64 {
+        match &self.scene.objects[self.object(hit) as usize].geometry {
+            scene::Geometry::Shape(scene::Shape::Sphere { radius, .. }) => *radius,
+            _ => 1.0,
         }
     }
 
@@ -353,6 +387,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             }
         };
         Site {
+            t: hit.t,
             foot,
             position_eye: eye.to_array().map(R::from_f64),
             normal_eye: if normal {
@@ -402,6 +437,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             [0, 1, 2].map(|k| (1.0 - u - v) * x[0][k] + u * x[1][k] + v * x[2][k])
         };
         Site {
+            t: hit.t,
             foot,
             position_eye: blend(eye).map(R::from_f64),
             normal_eye: if with_normal {

@@ -8,8 +8,11 @@
 use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
-use super::media::{AIR, Media};
+use super::faults::Normals;
+use super::inside::Inside;
+use super::media::{AIR, Media, MediaId};
 use super::ray::{NO_ITEM, Ray};
+use super::record::Record;
 use super::shadow::Shadows;
 use super::sums::{Mean, Sums};
 use super::surface::Site;
@@ -65,6 +68,10 @@ pub(super) struct Tile<'p, 'a, R> {
     sums: Sums<R>,
     /// Primary rays of the sample at hand, eye space.
     eye_rays: Vec<(DVec3, DVec3)>,
+    /// A ray of the caller's in place of the primary rays, and the solids that it may start in.
+    start: Option<(Ray, Inside)>,
+    /// Who listens, if anybody does: then the tile is one pixel.
+    record: Option<Box<Record<R>>>,
     out: TileFrame<R>,
 }
 
@@ -75,16 +82,35 @@ pub(super) fn draw<R: Real>(
     area: Area,
 ) -> Result<TileFrame<R>, Error> {
     let mut tile = Tile::new(plan, options, area);
-    let samples = plan.scene.image.samples.max(1);
-    let mut mean = Mean::new(&tile.out, samples);
-    for index in 0..samples {
-        tile.sample(index)?;
-        mean.add(&tile.sums, &mut tile.out);
-    }
-    mean.finish(&mut tile.out, tile.signed);
-    tile.counters.add_work(&tile.walker.work);
-    tile.out.counters = tile.counters;
+    tile.draw()?;
     Ok(tile.out)
+}
+
+/// Traces one pixel, or the one sample of a ray of the caller's, and writes down what happens.
+pub(super) fn record<R: Real>(
+    plan: &Plan<'_, R>,
+    options: &Options,
+    [x, y]: [u32; 2],
+    start: Option<Ray>,
+    record: Record<R>,
+) -> Result<(TileFrame<R>, Record<R>), Error> {
+    // Single terms are kept only for layers.
+    let options = Options {
+        layers: true,
+        ..*options
+    };
+    let area = Area {
+        x,
+        y,
+        width: 1,
+        height: 1,
+    };
+    let mut tile = Tile::new(plan, &options, area);
+    tile.start = start.map(|ray| (ray, Inside::around(plan.scene, &ray)));
+    tile.record = Some(Box::new(record));
+    tile.draw()?;
+    let record = tile.record.map(|record| *record).unwrap_or_default();
+    Ok((tile.out, record))
 }
 
 impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
@@ -108,6 +134,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             counters: Counters::default(),
             sums: Sums::new(pixels, index, options.layers, signed),
             eye_rays: Vec::new(),
+            start: None,
+            record: None,
             out: TileFrame {
                 area,
                 color: black(),
@@ -118,6 +146,26 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 counters: Counters::default(),
             },
         }
+    }
+
+    /// Traces every sample of every pixel into `out`.
+    fn draw(&mut self) -> Result<(), Error> {
+        let samples = match &self.start {
+            Some(_) => 1,
+            None => self.plan.scene.image.samples.max(1),
+        };
+        let mut mean = Mean::new(&self.out, samples);
+        for index in 0..samples {
+            self.sample(index)?;
+            mean.add(&self.sums, &mut self.out);
+            if let Some(record) = &mut self.record {
+                record.end_sample(self.sums.color(0));
+            }
+        }
+        mean.finish(&mut self.out, self.signed);
+        self.counters.add_work(&self.walker.work);
+        self.out.counters = self.counters;
+        Ok(())
     }
 
     /// Traces one sample of every pixel into `sums`.
@@ -136,31 +184,55 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     fn primary_paths(&mut self, index: u32) -> Vec<Path> {
+        self.eye_rays.clear();
+        if let Some(ray) = self.start.as_ref().map(|(ray, _)| *ray) {
+            return vec![Path {
+                media: self.first_media(&ray),
+                ray,
+                weight: [1.0; 3],
+                pixel: 0,
+                branch: Branch::Primary,
+            }];
+        }
         let image = &self.plan.scene.image;
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        self.eye_rays.clear();
         let mut paths = Vec::new();
         for pixel in 0..self.area.width * self.area.height {
             let place = self.sample_place(pixel, index);
             let (origin, direction) = camera.primary_ray(place, image.width, image.height);
             let [t_min, t_max] = camera.ray_range(place, image.width, image.height);
             self.eye_rays.push((origin, direction));
+            let ray = Ray {
+                origin: camera.eye + world_from_eye * origin,
+                direction: world_from_eye * direction,
+                t_min,
+                t_max,
+                skip: NO_ITEM,
+            };
             paths.push(Path {
-                ray: Ray {
-                    origin: camera.eye + world_from_eye * origin,
-                    direction: world_from_eye * direction,
-                    t_min,
-                    t_max,
-                    skip: NO_ITEM,
-                },
+                media: self.first_media(&ray),
+                ray,
                 weight: [1.0; 3],
                 pixel,
                 branch: Branch::Primary,
-                media: AIR,
             });
         }
         paths
+    }
+
+    /// The media that a primary ray starts in: air where nothing is transmitted, so that `cast` lights as the rasterizer does.
+    fn first_media(&mut self, ray: &Ray) -> MediaId {
+        if !self.options.refraction {
+            return AIR;
+        }
+        let plan = self.plan;
+        let (walker, media) = (&mut self.walker, &mut self.media);
+        let inside = self
+            .start
+            .as_ref()
+            .map_or(&plan.inside, |(_, inside)| inside);
+        inside.media(ray, &plan.surfaces, walker, media)
     }
 
     /// Where a sample of a pixel of the tile lies in the pixel frame.
@@ -189,6 +261,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             let site = self.meet(i as u32, path, index);
             sites.push(site);
         }
+        if let Some(record) = &mut self.record {
+            record.wave(paths, &sites, &self.media);
+        }
         if generation == 0 {
             self.add_local(paths, &sites);
         } else {
@@ -199,9 +274,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             return Ok(Vec::new());
         }
         let mut next = Vec::new();
-        for (path, site) in paths.iter().zip(&sites) {
+        for (i, (path, site)) in paths.iter().zip(&sites).enumerate() {
             if let Some(site) = site {
-                self.fork(path, site, &mut next)?;
+                self.fork(i as u32, path, site, &mut next)?;
             }
         }
         Ok(next)
@@ -210,25 +285,33 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     /// Follows one ray to its hit and enters that for shading.
     fn meet(&mut self, tag: u32, path: &Path, index: u32) -> Option<Site<R>> {
         let surfaces = &self.plan.surfaces;
-        let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
+        let faults = &self.plan.faults;
+        let hit = faults.closest_hit(surfaces, &path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
-        let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
+        let eye_ray = self.eye_rays.get(path.pixel as usize).copied();
+        let eye_ray = eye_ray.filter(|_| primary);
         // Without shading and without secondary rays nothing asks for the shading normal.
         let normal = self.plan.needs.has(Feature::Normal) || self.wanted().contains(&true);
-        let site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
+        let mut site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
         self.counters.normalizations += u64::from(normal);
+        let bent = (faults.normals != Normals::Right)
+            .then(|| faults.bend_normal(surfaces, &hit, &mut site, &self.rotation));
         if primary && index == 0 {
             let pixel = path.pixel as usize;
             self.out.depth[pixel] = -site.position_eye[2];
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
-        self.enter(tag, path, &site);
+        let surface = self.enter(tag, path, &site);
+        if let Some(length) = bent {
+            let points = &mut self.batches.batch(surface).points;
+            points.normal_length.push(R::from_f64(length));
+        }
         Some(site)
     }
 
-    /// Enters a hit for shading: which side faces the ray, and where the viewer is.
-    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) {
+    /// Enters a hit for shading: which side faces the ray, and where the viewer is. Returns the number of the surface.
+    fn enter(&mut self, tag: u32, path: &Path, site: &Site<R>) -> usize {
         let (model, needs) = (&self.plan.scene.light_model, &self.plan.needs);
         let arriving = self.rotation * path.ray.direction;
         // Facing: the rule of the light model in air, towards the ray inside a medium.
@@ -237,11 +320,16 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let flip = if path.media == AIR {
             back
         } else {
-            arriving.dot(front) > 0.0
+            arriving.dot(front) > 0.0 && !self.plan.faults.normal_kept_inside
         };
-        let normal = if flip { -front } else { front };
+        let normal = match (needs.has(Feature::Normal), flip) {
+            (false, _) => DVec3::ZERO,
+            (true, true) => -front,
+            (true, false) => front,
+        };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along, where a highlight asks.
-        let primary = path.branch == Branch::Primary;
+        // A ray of one's own (`start`) has no picture: it is looked back along as well.
+        let primary = path.branch == Branch::Primary && self.start.is_none();
         let looks_back = if primary {
             model.local_viewer && needs.has(Feature::ViewVector)
         } else {
@@ -264,6 +352,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.batches.batch(surface).points.push_color(color);
         }
         self.counters.shaded_points += 1;
+        surface
     }
 
     /// Primary hits: their terms are the picture's own; misses show the background.
@@ -341,11 +430,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             lamps: &plan.lamps,
             sources: &plan.sources,
             material: white.as_ref().unwrap_or(material),
+            faults: &plan.faults,
             ask_all: plan.needs.is_full(),
             sites,
             tags: &batch.tags,
             walker: &mut self.walker,
             counters: &mut self.counters,
+            record: self.record.as_deref_mut(),
         };
         let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
         let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
@@ -367,6 +458,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             sink,
         );
         self.counters.lighting += counted;
+        if let Some(listener) = &mut self.record {
+            listener.shaded(batch, &terms);
+        }
         if record { terms } else { vec![sum] }
     }
 
@@ -380,7 +474,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     /// Adds the secondary rays of a hit to the next wave.
-    fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
+    fn fork(
+        &mut self,
+        tag: u32,
+        path: &Path,
+        site: &Site<R>,
+        next: &mut Vec<Path>,
+    ) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
             return Ok(());
@@ -395,8 +495,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
             bends: self.plan.needs.has(Feature::Tir),
+            faults: &self.plan.faults,
         };
-        let [reflection, refraction] = fork.branches(&mut self.media);
+        let forked = fork.branches(&mut self.media);
+        if let Some(record) = &mut self.record {
+            record.fork(tag, &forked, optics.transmission);
+        }
+        let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());
         self.counters.rays.refraction += u64::from(refraction.is_some());
         let before = next.len();

@@ -1,11 +1,13 @@
 //! The conformance adapter: answers reference cases by calling the functions that the renderers call.
 //!
 //! `probe cases --cases FILE.json[.gz] --precision f32|f64`, `probe gl-lights --precision f32|f64 < light-cases.jsonl`,
-//! `probe lighting < cases.jsonl`, `probe requirements < requirements.json`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`. Answers go to
+//! `probe lighting < cases.jsonl`, `probe requirements < requirements.json`, `probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong`,
+//! `probe lighting-bench ROW TIMES`. Answers go to
 //! standard output, one JSON value a line, those of `gl-scene` to files; errors to standard error, exit code 2.
 
 mod gl_lights;
 mod gl_scene;
+mod lighting_bench;
 mod numerics;
 mod rays;
 mod requirements;
@@ -22,7 +24,8 @@ const USAGE: &str = "usage: probe cases --cases FILE.json[.gz] --precision f32|f
        probe gl-lights --precision f32|f64 < light-cases.jsonl
        probe gl-scene SCENE.json[.gz] -o PREFIX --shading flat|gouraud|phong [--precision f32|f64] [--snap 8|12|exact]
        probe lighting < cases.jsonl
-       probe requirements < requirements.json";
+       probe requirements < requirements.json
+       probe lighting-bench ROW TIMES";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -53,6 +56,10 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
         ("gl-lights", Precision::F32) => each_line(&mut out, gl_lights::answer::<f32>)?,
         ("gl-lights", Precision::F64) => each_line(&mut out, gl_lights::answer::<f64>)?,
         ("lighting", _) => each_line(&mut out, gl_lights::terms)?,
+        ("lighting-bench", _) => {
+            let [row, times] = [1, 2].map(|i| arguments.get(i).map_or("", String::as_str));
+            writeln!(out, "{}", lighting_bench::run(row, times)?)?;
+        }
         ("requirements", _) => {
             let text = std::io::read_to_string(std::io::stdin())?;
             writeln!(out, "{}", requirements::answer(&text)?)?;

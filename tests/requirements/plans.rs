@@ -113,6 +113,7 @@ impl Work {
             (a.spot_tests, b.spot_tests),
             (a.half_vectors, b.half_vectors),
             (a.pow_calls, b.pow_calls),
+            (a.spot_pow_calls, b.spot_pow_calls),
             (self.normalizations(), full.normalizations()),
         ];
         for (less, more) in pairs {
@@ -204,6 +205,8 @@ fn a_scene_without_specular_makes_no_pow_calls() {
         let lighting = work.lighting();
         assert!(lighting.light_evaluations > 0);
         assert_eq!((lighting.pow_calls, lighting.half_vectors), (0, 0));
+        // The falloff of the spot light is a power of its own, and a feature of its own.
+        assert_eq!(lighting.spot_pow_calls, lighting.spot_tests);
     }
 }
 
@@ -248,8 +251,9 @@ fn directional_lights_take_no_square_roots() {
             lighting.light_vector_roots,
             lighting.attenuations,
             lighting.spot_tests,
+            lighting.spot_pow_calls,
         ];
-        assert_eq!(positional, [0; 3]);
+        assert_eq!(positional, [0; 4]);
     }
 }
 

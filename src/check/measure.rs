@@ -1,0 +1,280 @@
+//! Errors between pictures of stored values, and what counts as noise.
+
+use super::Given;
+use crate::frame::Plane;
+use crate::math::color::{clamp01, linear_from_srgb, quantize8, srgb_from_linear};
+
+/// Largest rmse that rounding, compression and arithmetic leave between pictures of the same thing: 5 of 255.
+pub const NOISE: f64 = 0.02;
+/// The same for means of 8 x 8 pixels, which compression keeps.
+pub const NOISE_MEAN: f64 = 0.004;
+/// Two pictures this near (rmse) are one: half of what 8-bit rounding leaves.
+pub const SAME: f64 = 5e-4;
+/// A mistake shows where it changes the picture by more (rmse).
+pub(super) const SHOWS: f64 = 2e-4;
+
+/// Finite stand-in for values without a bound: lights whose attenuation vanishes.
+const MOST: f32 = 1e6;
+
+/// A plane of stored values.
+pub(super) type Values = Plane<[f32; 3]>;
+
+/// What happens to linear values on their way into the given file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stored {
+    pub(super) eight_bits: bool,
+    /// Values are clamped: the file cannot hold others, or does not.
+    pub(super) clamp: bool,
+    pub(super) srgb: bool,
+}
+
+/// What a mistake does to the finished picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Finish {
+    /// Nothing.
+    #[default]
+    Right,
+    /// sRGB-encodes what should be stored as it is.
+    Encode,
+    /// Stores as they are values that should be sRGB-encoded; without `--srgb`, decodes linear ones.
+    Decode,
+    /// Cuts off what exceeds a step of 8 bits.
+    CutOff,
+}
+
+impl Stored {
+    /// As the given file holds values.
+    pub(super) fn of(given: &Given, srgb: bool) -> Self {
+        let mut values = given.color.data.iter().flatten();
+        Self {
+            eight_bits: given.eight_bits,
+            clamp: given.eight_bits || values.all(|x| (0.0..=1.0).contains(x)),
+            srgb,
+        }
+    }
+
+    /// A linear picture as the file would hold it.
+    pub(super) fn apply(&self, linear: &Values) -> Values {
+        self.finish(linear, Finish::Right)
+    }
+
+    /// The same with a mistake on the way.
+    pub(super) fn finish(&self, linear: &Values, finish: Finish) -> Values {
+        linear.map(|c| c.map(|x| self.value(x, finish)))
+    }
+
+    fn value(&self, x: f32, finish: Finish) -> f32 {
+        let mut x = if self.clamp {
+            clamp01(x)
+        } else {
+            x.clamp(-MOST, MOST)
+        };
+        let curve = |x: f32, f: fn(f64) -> f64| (f(f64::from(x.abs())) as f32).copysign(x);
+        let encodes = match finish {
+            Finish::Encode => true,
+            Finish::Decode => false,
+            _ => self.srgb,
+        };
+        if encodes {
+            x = curve(x, srgb_from_linear);
+        } else if finish == Finish::Decode && !self.srgb {
+            x = curve(x, linear_from_srgb);
+        }
+        match (self.eight_bits, finish) {
+            (true, Finish::CutOff) => (x * 255.0).floor() / 255.0,
+            (true, _) => f32::from(quantize8(x)) / 255.0,
+            (false, _) => x,
+        }
+    }
+}
+
+/// How a finished picture is turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// The bottom row comes first.
+    Rows,
+    /// Left and right change places.
+    Columns,
+}
+
+impl Turn {
+    /// The picture turned; twice is none.
+    pub(super) fn of(self, picture: &Values) -> Values {
+        let (width, height) = (picture.width, picture.height);
+        let from = |i: usize| match self {
+            Self::Rows => (height - 1 - i / width) * width + i % width,
+            Self::Columns => i / width * width + (width - 1 - i % width),
+        };
+        Plane {
+            width,
+            height,
+            data: (0..width * height).map(|i| picture.data[from(i)]).collect(),
+        }
+    }
+}
+
+/// The smallest odd number whose square leaves at most `most` of so many pixels.
+pub(super) fn odd_step(pixels: usize, most: usize) -> usize {
+    (1..)
+        .step_by(2)
+        .find(|k| pixels <= most * k * k)
+        .unwrap_or(1)
+}
+
+/// The middle pixel of each block of `step` x `step` (odd): the centres of a picture with larger pixels.
+pub(super) fn every(picture: &Values, step: usize) -> Values {
+    if step == 1 {
+        return picture.clone();
+    }
+    let (width, height) = (
+        (picture.width / step).max(1),
+        (picture.height / step).max(1),
+    );
+    let place = |x: usize, size: usize| (x * step + step / 2).min(size - 1);
+    let pixel = |i: usize| {
+        *picture.at(
+            place(i % width, picture.width),
+            place(i / width, picture.height),
+        )
+    };
+    Plane {
+        width,
+        height,
+        data: (0..width * height).map(pixel).collect(),
+    }
+}
+
+/// Mean squared difference over all pixels and channels.
+pub(super) fn mse(a: &Values, b: &Values) -> f64 {
+    let pairs = a.data.iter().flatten().zip(b.data.iter().flatten());
+    let sum: f64 = pairs
+        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
+        .sum();
+    sum / (3 * a.data.len()).max(1) as f64
+}
+
+/// Its root.
+pub(super) fn rmse(a: &Values, b: &Values) -> f64 {
+    mse(a, b).sqrt()
+}
+
+/// [`rmse`] of the means of blocks of 8 x 8 pixels (smaller at the right and lower rim), each weighing as its pixels.
+pub(super) fn rmse_of_means(a: &Values, b: &Values) -> f64 {
+    const SIDE: usize = 8;
+    let (width, height) = (a.width, a.height);
+    let mut sum = 0.0;
+    for top in (0..height).step_by(SIDE) {
+        for left in (0..width).step_by(SIDE) {
+            let mut difference = [0.0f64; 3];
+            let (bottom, right) = ((top + SIDE).min(height), (left + SIDE).min(width));
+            for y in top..bottom {
+                for x in left..right {
+                    let (p, q) = (a.at(x, y), b.at(x, y));
+                    for (d, (p, q)) in difference.iter_mut().zip(p.iter().zip(q)) {
+                        *d += f64::from(*p) - f64::from(*q);
+                    }
+                }
+            }
+            let count = ((bottom - top) * (right - left)) as f64;
+            sum += difference.iter().map(|d| d * d).sum::<f64>() / count;
+        }
+    }
+    (sum / (3 * a.data.len()).max(1) as f64).sqrt()
+}
+
+/// The pictures differ by no more than noise.
+pub(super) fn agree(a: &Values, b: &Values) -> bool {
+    rmse(a, b) <= NOISE && rmse_of_means(a, b) <= NOISE_MEAN
+}
+
+/// Largest difference of two values.
+pub(super) fn largest(a: &Values, b: &Values) -> f64 {
+    let pairs = a.data.iter().flatten().zip(b.data.iter().flatten());
+    pairs
+        .map(|(a, b)| f64::from((a - b).abs()))
+        .fold(0.0, f64::max)
+}
+
+/// Standard deviation of all values.
+pub(super) fn contrast(a: &Values) -> f64 {
+    let count = (3 * a.data.len()).max(1) as f64;
+    let values = || a.data.iter().flatten().map(|x| f64::from(*x));
+    let mean = values().sum::<f64>() / count;
+    (values().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(width: usize, height: usize) -> Values {
+        let value = |i: usize| [i as f32 / 100.0, 0.5, 1.0 - i as f32 / 100.0];
+        Plane {
+            width,
+            height,
+            data: (0..width * height).map(value).collect(),
+        }
+    }
+
+    #[test]
+    fn every_third_pixel_is_a_centre() {
+        let small = every(&ramp(9, 7), 3);
+        assert_eq!((small.width, small.height), (3, 2));
+        assert_eq!(small.data[0][0], 0.1); // pixel (1, 1)
+        assert_eq!(small.at(2, 1)[0], 0.43); // pixel (7, 4)
+        assert_eq!(odd_step(20_000, 20_000), 1);
+        assert_eq!(odd_step(20_001, 20_000), 3);
+        assert_eq!(odd_step(640 * 480, 20_000), 5);
+    }
+
+    #[test]
+    fn means_forget_what_cancels() {
+        let plain = Plane::filled(10, 10, [0.5f32; 3]);
+        let mut noisy = plain.clone();
+        for (i, c) in noisy.data.iter_mut().enumerate() {
+            let up = (i + i / 10) % 2 == 0;
+            *c = c.map(|x| if up { x + 0.01 } else { x - 0.01 });
+        }
+        assert!((rmse(&plain, &noisy) - 0.01).abs() < 1e-7);
+        assert!(rmse_of_means(&plain, &noisy) < 1e-7);
+        assert!(agree(&plain, &noisy));
+        let lighter = plain.map(|c| c.map(|x| x + 0.01));
+        assert!((rmse_of_means(&plain, &lighter) - 0.01).abs() < 1e-7);
+        assert!(!agree(&plain, &lighter));
+    }
+
+    #[test]
+    fn turns_undo_themselves() {
+        let picture = ramp(5, 3);
+        for turn in [Turn::Rows, Turn::Columns] {
+            assert_ne!(turn.of(&picture), picture);
+            assert_eq!(turn.of(&turn.of(&picture)), picture);
+        }
+        assert_eq!(Turn::Rows.of(&picture).data[0], picture.data[10]);
+        assert_eq!(Turn::Columns.of(&picture).data[0], picture.data[4]);
+    }
+
+    #[test]
+    fn finishes_are_what_they_say() {
+        let value = |stored: Stored, x, finish| stored.value(x, finish);
+        let png = Stored {
+            eight_bits: true,
+            clamp: true,
+            srgb: false,
+        };
+        assert_eq!(value(png, 2.0, Finish::Right), 1.0);
+        assert_eq!(value(png, 0.5, Finish::Right), 128.0 / 255.0);
+        assert_eq!(value(png, 0.5, Finish::CutOff), 127.0 / 255.0);
+        assert_eq!(value(png, 0.5, Finish::Encode), 188.0 / 255.0);
+        let srgb = Stored { srgb: true, ..png };
+        assert_eq!(value(srgb, 0.5, Finish::Right), 188.0 / 255.0);
+        assert_eq!(value(srgb, 0.5, Finish::Decode), 128.0 / 255.0);
+        let float = Stored {
+            eight_bits: false,
+            clamp: false,
+            srgb: false,
+        };
+        assert_eq!(value(float, 2.0, Finish::Right), 2.0);
+        assert!((value(float, 0.5, Finish::Decode) - 0.21404).abs() < 1e-5);
+    }
+}

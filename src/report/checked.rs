@@ -1,0 +1,136 @@
+//! Pictures of a check: the given one, the one with the mistake that explains it, the right one, and their differences.
+//!
+//! Values are shown as the files store them. The difference maps share one scale, so that what the mistake explains is seen
+//! to go.
+
+use rastray_compare::{Reduction, Scale, ScaleKind};
+
+use super::figures::{Panel, contact_sheet, strip};
+use super::files::View;
+use super::folder::File;
+use super::formats::{png, png_of_picture};
+use super::numbers::value;
+use super::picture::Picture;
+use crate::check::{Given, Report, Verdict};
+use crate::error::Error;
+use crate::frame::Plane;
+
+/// Small pictures are enlarged to about this width in figures.
+const WIDTH: usize = 320;
+
+/// A check with its pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked<'a> {
+    /// The answer.
+    pub report: &'a Report,
+    /// The picture that was checked.
+    pub given: &'a Given,
+}
+
+impl Checked<'_> {
+    /// given | with the mistake | right, and below given - mistaken, given - right; without a mistake, given | right |
+    /// given - right.
+    ///
+    /// # Errors
+    /// Pictures that are too large for a figure.
+    pub fn strip(&self) -> Result<Picture, Error> {
+        let given = shown(&self.given.color)?;
+        let right = shown(&self.report.right)?;
+        let off = self.difference(&self.report.right);
+        let off_note = format!("rmse {}", value(self.report.error));
+        let right_note = format!("{}: what the scene gives", self.report.mode.name());
+        let given = panel(&given, "given", "the picture that is checked");
+        let right = panel(&right, "right", &right_note);
+        let off = panel(&off, "given − right", &off_note);
+        let found = self
+            .report
+            .mistaken
+            .as_ref()
+            .zip(self.report.findings.first());
+        let Some((mistaken, finding)) = found else {
+            return strip(&[given, right, off]);
+        };
+        let picture = shown(mistaken)?;
+        let left = self.difference(mistaken);
+        let note = format!("rmse {}: what the mistake leaves", value(finding.error));
+        let mistaken = panel(&picture, "with the mistake", finding.mistake.title);
+        let left = panel(&left, "given − with the mistake", &note);
+        contact_sheet(
+            &[("", vec![given, mistaken, right]), ("", vec![off, left])],
+            3,
+        )
+    }
+
+    /// The files of a folder: the strip, and its pictures one by one, pixel for pixel.
+    ///
+    /// # Errors
+    /// As [`Self::strip`].
+    pub fn files(&self) -> Result<Vec<File>, Error> {
+        let file = |name: &str, bytes| File {
+            name: name.to_owned(),
+            bytes,
+        };
+        let mut files = vec![
+            file("strip.png", png_of_picture(&self.strip()?)?),
+            file("right.png", png(&self.report.right, View::Linear)?),
+        ];
+        if let Some(mistaken) = &self.report.mistaken {
+            files.push(file("mistaken.png", png(mistaken, View::Linear)?));
+        }
+        Ok(files)
+    }
+
+    /// given - another picture, signed, on the scale of given - right.
+    fn difference(&self, other: &Plane<[f32; 3]>) -> Picture {
+        let given = &self.given.color;
+        let limited = |x: f32| f64::from(x).clamp(-1e6, 1e6);
+        let pixel = |a: &[f32; 3], b: &[f32; 3]| {
+            Reduction::Largest.apply([0, 1, 2].map(|c| limited(a[c]) - limited(b[c])))
+        };
+        let values = |b: &Plane<[f32; 3]>| -> Vec<f64> {
+            given
+                .data
+                .iter()
+                .zip(&b.data)
+                .map(|(a, b)| pixel(a, b))
+                .collect()
+        };
+        let largest = values(&self.report.right)
+            .into_iter()
+            .fold(0.0, |m: f64, x| m.max(x.abs()));
+        let scale = Scale::fitting(ScaleKind::Signed, largest);
+        let picture = Picture {
+            width: given.width,
+            height: given.height,
+            pixels: values(other).into_iter().map(|x| scale.color(x)).collect(),
+            scale: Some(scale),
+        };
+        enlarged(picture)
+    }
+}
+
+/// What the verdict is called in JSON.
+pub fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Right => "right",
+        Verdict::Mistake => "mistake",
+        Verdict::Unexplained => "none of these",
+    }
+}
+
+fn shown(values: &Plane<[f32; 3]>) -> Result<Picture, Error> {
+    Picture::from_linear(values, View::Linear).map(enlarged)
+}
+
+fn enlarged(picture: Picture) -> Picture {
+    let factor = WIDTH.div_ceil(picture.width.max(1)).max(1);
+    picture.enlarged(factor)
+}
+
+fn panel<'a>(picture: &'a Picture, title: &'a str, note: &'a str) -> Panel<'a> {
+    Panel {
+        picture,
+        title,
+        note,
+    }
+}
