@@ -39,8 +39,7 @@ pub(super) fn pick(
     };
     verbosity.say(format!(
         "picked of {} settings: {}; {expected}",
-        choice.tried,
-        choice.setting.arguments(scene)
+        choice.tried, choice.arguments
     ));
     Ok(Some(choice))
 }

@@ -261,7 +261,7 @@ pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
         "size": [scene.image.width, scene.image.height],
         "mode": mode_name(shot.mode),
         "picked": shot.picked.as_ref().map(|choice| json!({
-            "arguments": choice.setting.arguments(scene),
+            "arguments": choice.arguments,
             "tried": choice.tried,
             "expected_rmse": choice.error,
             "expected_seconds": choice.seconds,

@@ -32,8 +32,8 @@ const LONGEST: f64 = 604_800.0;
 /// Examples of the long help.
 pub(super) const EXAMPLES: &str = "Examples:
   rastray trade whitted --open                whitted-trade/index.html after a minute
-  rastray trade highlight --budget 600        goes on where the last run ended
-  rastray trade 15-mirror --size 64x48 --budget 2 --json
+  rastray trade highlight --set raster.snap=12 -o fine
+  rastray trade 15-mirror --budget 2 --json
 
 A run that is interrupted loses only the setting at hand: what is measured is kept in the folder's journal.jsonl,
 and the same command goes on from there. A changed scene, size or version starts again.";
@@ -213,7 +213,10 @@ fn pictures(
 ) -> Result<Vec<Option<Plane<[f32; 3]>>>, Error> {
     let draw = |row: Option<usize>| {
         let name = &trade.rows[row?].setting;
-        let task = outcome.tasks.iter().find(|t| t.setting.name() == *name)?;
+        let task = outcome
+            .tasks
+            .iter()
+            .find(|t| t.setting.name(scene) == *name)?;
         Some(
             Job::new(scene, &task.setting, isa)
                 .draw()

@@ -24,7 +24,10 @@ pub(super) fn print(
         "verified", "target", "promised", "elsewhere"
     );
     let named = |name: &str| -> Option<Setting> {
-        let task = outcome.tasks.iter().find(|t| t.setting.name() == name)?;
+        let task = outcome
+            .tasks
+            .iter()
+            .find(|t| t.setting.name(scene) == name)?;
         Some(task.setting)
     };
     let answers = trade

@@ -62,12 +62,14 @@ pub struct Accuracy {
     pub interior: Errors,
     /// Pixels at silhouettes.
     pub silhouette: Errors,
+    /// Pixels of curved shapes, away from silhouettes.
+    pub curved: Errors,
     /// Mean FLIP error of the 8-bit picture at 67 pixels a degree.
     pub flip: f64,
 }
 
 impl Accuracy {
-    /// Of a picture against the truth of the same size; `silhouette` says which pixels are.
+    /// Of a picture against the truth of the same size; `silhouette` and `curved` say which pixels are.
     ///
     /// # Errors
     /// [`Error::Limit`] where FLIP refuses the pictures.
@@ -75,6 +77,7 @@ impl Accuracy {
         picture: &Plane<[f64; 3]>,
         truth: &Plane<[f64; 3]>,
         silhouette: &Plane<bool>,
+        curved: &Plane<bool>,
     ) -> Result<Self, Error> {
         let differences = || picture.data.iter().zip(&truth.data).map(difference);
         let of = |at: bool| {
@@ -83,10 +86,13 @@ impl Accuracy {
                 .filter(move |(_, s)| **s == at);
             Errors::of(chosen.map(|(d, _)| d))
         };
+        let masks = || silhouette.data.iter().zip(&curved.data);
+        let round = differences().zip(masks()).filter(|(_, (s, c))| !**s && **c);
         Ok(Self {
             all: Errors::of(differences()),
             interior: of(false),
             silhouette: of(true),
+            curved: Errors::of(round.map(|(d, _)| d)),
             flip: mean_flip(picture, truth)?,
         })
     }
@@ -146,7 +152,7 @@ mod tests {
             height: 1,
             data: vec![false, true],
         };
-        let of = |truth| Accuracy::of(&test, truth, &mask).expect("small pictures");
+        let of = |truth| Accuracy::of(&test, truth, &mask, &mask).expect("small pictures");
         let a = of(&truth);
         assert_eq!((a.interior.max, a.silhouette.max), (0.5, 0.0));
         let far = of(&plane([0.5, 0.0]));

@@ -47,11 +47,13 @@ pub enum Goal {
 pub struct Choice {
     /// The setting, with the scene's own samples.
     pub setting: Setting,
+    /// The flags that ask for it.
+    pub arguments: String,
     /// Expected rmse at the size that is asked for.
     pub error: f64,
     /// Expected seconds; only for a time.
     pub seconds: Option<f64>,
-    /// Nanoseconds of work expected, by the model of [`super::cost`].
+    /// Work expected, by the model of [`super::cost`].
     pub work: f64,
     /// Settings that were tried.
     pub tried: usize,
@@ -146,7 +148,7 @@ impl Trial<'_> {
     }
 
     fn try_out(&mut self, setting: &Setting) -> Result<Candidate, Error> {
-        (self.progress)(&setting.name());
+        (self.progress)(&setting.name(self.full));
         self.tried += 1;
         let measured = self.judge.measure(setting, &[Truth::Own])?;
         let accuracy = measured.against(Truth::Own).copied().unwrap_or_default();
@@ -303,6 +305,7 @@ impl Trial<'_> {
     fn chosen(&self, candidate: &Candidate, error: f64, seconds: Option<f64>) -> Choice {
         Choice {
             setting: candidate.setting,
+            arguments: candidate.setting.arguments(self.full),
             error,
             seconds,
             work: candidate.work_at(self.sides()),

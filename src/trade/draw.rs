@@ -96,7 +96,12 @@ impl Job {
             let (frame, counters) = plan.draw(&options)?;
             return Ok((frame, Counts::of_raster(&counters)));
         }
+        let faults = trace::Faults {
+            offset: setting.offset,
+            ..trace::Faults::default()
+        };
         let plan = trace::Plan::new(scene, &assembly, setting.geometry, Model::Required)?;
+        let plan = plan.with_faults(faults);
         let options = match setting.renderer {
             Renderer::Trace => trace::Options::of(scene, self.isa),
             _ => trace::Options::cast(self.isa),

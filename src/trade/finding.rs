@@ -56,6 +56,8 @@ pub struct Row {
     pub setting: String,
     /// Flags of `rastray render`.
     pub arguments: String,
+    /// Whether `rastray render` can draw it; else it is a study, and never an answer.
+    pub offered: bool,
     /// Who draws.
     #[serde(skip)]
     pub renderer: Renderer,
@@ -67,7 +69,7 @@ pub struct Row {
     pub ideal: Option<Accuracy>,
     /// Exact counts.
     pub counts: Counts,
-    /// Nanoseconds a pixel by the model of [`super::cost`].
+    /// Work a pixel by the model of [`super::cost`].
     pub work: f64,
     /// Nanoseconds a pixel as measured, on one thread.
     pub time: Option<Time>,
@@ -129,7 +131,9 @@ pub struct Point {
     pub setting: String,
     /// Error of the axis' pixels against its truth.
     pub error: Errors,
-    /// Nanoseconds a pixel by the model.
+    /// Rmse of all pixels away from silhouettes.
+    pub interior: f64,
+    /// Work a pixel by the model.
     pub work: f64,
 }
 
@@ -172,7 +176,7 @@ pub fn find(
         isa: isa.name(),
         settings: outcome.tasks.len(),
         measured: outcome.measured,
-        base: Setting::of(scene).plain(scene).name(),
+        base: Setting::of(scene).plain(scene).name(scene),
         answers: TARGETS.map(|target| answer(&rows, target)).into(),
         axes: outcome
             .axes
@@ -187,8 +191,9 @@ pub fn find(
 
 fn row(scene: &Scene, setting: &Setting, measured: &Measured, pixels: f64, ideal: u32) -> Row {
     Row {
-        setting: setting.name(),
+        setting: setting.name(scene),
         arguments: setting.arguments(scene),
+        offered: setting.is_offered(),
         renderer: setting.renderer,
         full: measured.against(Truth::Full).copied(),
         local: measured.against(Truth::Local).copied(),
@@ -214,7 +219,11 @@ fn time(ratio: &Ratio, pixels: f64) -> Time {
 
 /// The cheapest row whose rmse against the full truth is at most `target`. Rows are sorted by work.
 pub fn answer(rows: &[Row], target: f64) -> Answer {
-    let error = |row: &Row| row.full.map_or(f64::INFINITY, |a| a.all.rmse);
+    let error = |row: &Row| {
+        row.full
+            .filter(|_| row.offered)
+            .map_or(f64::INFINITY, |a| a.all.rmse)
+    };
     Answer {
         target,
         row: rows.iter().position(|row| error(row) <= target),
@@ -222,7 +231,8 @@ pub fn answer(rows: &[Row], target: f64) -> Answer {
     }
 }
 
-fn finding(scene: &Scene, axis: &Axis, journal: &Journal, pixels: f64) -> AxisFinding {
+/// What the journal knows of an axis; work is told a pixel, of which there are so many.
+pub fn finding(scene: &Scene, axis: &Axis, journal: &Journal, pixels: f64) -> AxisFinding {
     let curves = axis.series.iter().map(|series| {
         let points = series.settings.iter().filter_map(|(knob, setting)| {
             let setting = setting.plain(scene);
@@ -230,8 +240,9 @@ fn finding(scene: &Scene, axis: &Axis, journal: &Journal, pixels: f64) -> AxisFi
             let accuracy = measured.against(axis.truth)?;
             Some(Point {
                 knob: *knob,
-                setting: setting.name(),
+                setting: setting.name(scene),
                 error: part(accuracy, axis.part),
+                interior: accuracy.interior.rmse,
                 work: measured.counts.work(setting.precision) / pixels,
             })
         });
@@ -251,6 +262,7 @@ fn part(accuracy: &Accuracy, part: Part) -> Errors {
         Part::All => accuracy.all,
         Part::Interior => accuracy.interior,
         Part::Silhouette => accuracy.silhouette,
+        Part::Curved => accuracy.curved,
     }
 }
 
@@ -271,7 +283,9 @@ pub fn curve(series: &Series, points: Vec<Point>) -> Curve {
     let as_predicted = slope.and_then(|slope| match series.law {
         Law::Power { low, high } => Some((low..=high).contains(&slope)),
         // Rounding in f32 may add a little to a remainder that shrinks by exactly the factor.
-        Law::Step { factor } => Some(slope <= factor * 1.02),
+        Law::Step { factor } if factor < 1.0 => Some(slope <= factor * 1.02),
+        // Surfaces that pass on everything bound nothing.
+        Law::Step { .. } => None,
         Law::None => None,
     });
     let costs: Vec<(f64, f64)> = points
@@ -307,6 +321,7 @@ mod tests {
                 rmse: *rmse,
                 ..Errors::default()
             },
+            interior: *rmse,
             work: knob * knob,
         };
         errors.iter().map(point).collect()

@@ -101,5 +101,5 @@ impl<'a> Judge<'a> {
 /// [`Error::Limit`] where the pictures cannot be compared.
 pub fn judge(drawn: &Drawn, truth: &Reference) -> Result<Accuracy, Error> {
     let mask = silhouette(&drawn.object, &truth.object);
-    Accuracy::of(&drawn.color, &truth.color, &mask)
+    Accuracy::of(&drawn.color, &truth.color, &mask, &truth.curved)
 }

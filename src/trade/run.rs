@@ -128,7 +128,7 @@ pub fn run(
         if measured > 0 && spent(share) && !begun {
             continue;
         }
-        progress(i, steps, &task.setting.name());
+        progress(i, steps, &task.setting.name(scene));
         journal.keep(judge.measure(&task.setting, &task.truths)?)?;
         measured += 1;
     }
@@ -148,10 +148,13 @@ pub fn run(
     })
 }
 
-/// Error and cost of what was measured against the full truth: (position in `tasks`, work, rmse).
+/// Error and cost of what can be rendered and was measured against the full truth: (position in `tasks`, work, rmse).
 pub fn points(tasks: &[Task], journal: &Journal) -> Vec<(usize, f64, f64)> {
     let point = |(i, task): (usize, &Task)| {
         let measured = journal.measurement(&key(&task.setting))?;
+        if !task.setting.is_offered() {
+            return None;
+        }
         let accuracy = measured.against(Truth::Full)?;
         let work = measured.counts.work(task.setting.precision);
         Some((i, work, accuracy.all.rmse))
@@ -205,7 +208,7 @@ fn time(
     let base = Job::new(scene, &Setting::of(scene).plain(scene), options.isa);
     let mut complete = 0;
     for (i, setting) in settings.iter().enumerate() {
-        let name = format!("time of {}", setting.name());
+        let name = format!("time of {}", setting.name(scene));
         let gone = spent(i, &name);
         if gone >= 1.0 {
             break;

@@ -11,7 +11,7 @@
 //! Secondary rays go on until their weight is below [`LEAST_WEIGHT`] in every channel.
 
 use super::draw::{Drawn, Job};
-use super::setting::{Precision, Renderer, Setting};
+use super::setting::{Precision, Renderer, Setting, is_curved};
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::lanes::Isa;
@@ -50,6 +50,8 @@ pub struct Reference {
     pub color: Plane<[f64; 3]>,
     /// The object seen at each pixel's first sample.
     pub object: Plane<u32>,
+    /// Whether that is a curved shape.
+    pub curved: Plane<bool>,
     /// Generations of secondary rays that were followed.
     pub depth: u32,
 }
@@ -101,8 +103,10 @@ fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, E
     loop {
         match Job::new(scene, &setting, isa).draw() {
             Ok(Drawn { color, object, .. }) => {
+                let curved = |o: &u32| scene.objects.get(*o as usize).is_some_and(is_curved);
                 return Ok(Reference {
                     color,
+                    curved: object.map(curved),
                     object,
                     depth: setting.depth,
                 });

@@ -43,6 +43,14 @@ struct Paper {
     x: LogScale,
     y: LogScale,
     size: f32,
+    /// The foot of the scale stands for 0, which no logarithm reaches.
+    zero: bool,
+}
+
+/// A scale's number, powers of ten without "1 ×".
+fn power_of_ten(x: f64) -> String {
+    let text = tick(x);
+    text.strip_prefix("1 × ").unwrap_or(&text).to_owned()
 }
 
 impl Paper {
@@ -54,7 +62,13 @@ impl Paper {
             let y = self.y.place(decade);
             marks.push(line(vec![[left, y], [right, y]], Ink::Line, 1.0, false));
             let at = [left - 8.0, y + 0.36 * self.size];
-            marks.push(words(at, tick(decade), Ink::Grey, self.size, Anchor::End));
+            marks.push(words(
+                at,
+                power_of_ten(decade),
+                Ink::Grey,
+                self.size,
+                Anchor::End,
+            ));
         }
         for value in x_ticks {
             let x = self.x.place(*value);
@@ -67,6 +81,10 @@ impl Paper {
                 self.size,
                 Anchor::Middle,
             ));
+        }
+        if self.zero {
+            let at = [left - 8.0, bottom + 0.36 * self.size];
+            marks.push(words(at, "0", Ink::Grey, self.size, Anchor::End));
         }
         let middle = f32::midpoint(left, right);
         let at = [middle, bottom + 3.2 * self.size];
@@ -91,18 +109,25 @@ pub(super) fn front(trade: &Trade) -> Plot {
         .rows
         .iter()
         .enumerate()
+        .filter(|(_, row)| row.offered)
         .filter_map(|(i, row)| Some((i, row.work, row.full?.all.rmse)))
         .collect();
     let errors = points
         .iter()
         .map(|p| p.2)
         .chain(TARGETS.iter().copied().take(2));
+    let mut y = LogScale::around(errors, height - 62.0, 16.0);
+    let zero = points.iter().any(|p| p.2 == 0.0);
+    if zero {
+        y.low -= 1.0;
+    }
     let paper = Paper {
         x: LogScale::around(points.iter().map(|p| p.1), 84.0, width - 24.0),
-        y: LogScale::around(errors, height - 62.0, 16.0),
+        y,
         size,
+        zero,
     };
-    let title = "work: nanoseconds a pixel by the cost model (exact operation counts × weights)";
+    let title = "work a pixel: exact counts of operations × their weights";
     let mut marks = paper.marks(title, "error: rmse of linear values", &paper.x.ticks());
     marks.extend(targets(&paper));
     let place = |p: &(usize, f64, f64)| [paper.x.place(p.1), paper.y.place(p.2)];
@@ -128,7 +153,7 @@ pub(super) fn front(trade: &Trade) -> Plot {
             radius: if row.front { 5.5 } else { 3.2 },
             filled: row.front,
             title: format!(
-                "{}: rmse {}, {} ns a pixel",
+                "{}: rmse {}, work {} a pixel",
                 row.setting,
                 value(p.2),
                 value(p.1)
@@ -243,6 +268,7 @@ pub(super) fn knob(axis: &AxisFinding) -> Plot {
         x: LogScale::around(knobs.iter().map(|k| across(*k)), 84.0, width - 92.0),
         y: LogScale::around(points().map(|p| p.error.rmse), height - 62.0, 16.0),
         size,
+        zero: false,
     };
     let mut marks = paper.marks(axis.knob, "rmse", &[]);
     for knob in &knobs {
@@ -327,7 +353,12 @@ fn prediction(curve: &Curve) -> Option<impl Fn(f64) -> f64 + use<>> {
     let shown: Vec<_> = curve.points.iter().filter(|p| p.error.rmse > 0.0).collect();
     let middle = shown.get(shown.len() / 2)?;
     let (knob, error, law) = (middle.knob, middle.error.rmse, curve.law);
-    (law != Law::None).then_some(move |k: f64| match law {
+    let bounded = match law {
+        Law::Power { .. } => true,
+        Law::Step { factor } => factor < 1.0,
+        Law::None => false,
+    };
+    bounded.then_some(move |k: f64| match law {
         Law::Power { low, high } => error * (k / knob).powf(-f64::midpoint(low, high)),
         Law::Step { factor } => error * factor.powf(k - knob),
         Law::None => error,

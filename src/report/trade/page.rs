@@ -62,16 +62,15 @@ impl TradeReport {
     fn answer_cards(&self) -> Result<Markup, Error> {
         let trade = &self.trade;
         let mut cards = Vec::new();
-        for (a, picture) in trade.answers.iter().zip(&self.answers) {
-            let says = match a.target {
-                t if t >= 1.0 / 255.0 => "a step of an 8-bit display",
-                t if t >= 1e-3 => "a quarter of a step",
-                _ => "what f32 can hold",
-            };
-            let name = target(a.target);
+        let all: Vec<_> = trade.answers.iter().zip(&self.answers).collect();
+        // Targets that one setting meets share a card.
+        for group in all.chunk_by(|(a, _), (b, _)| a.row == b.row) {
+            let (a, picture) = group[0];
+            let names: Vec<String> = group.iter().map(|(a, _)| target(a.target)).collect();
+            let name = names.join(", ");
             cards.push(html! {
                 article {
-                    h3 { "Error below " (name) span { (says) } }
+                    h3 { "Error below " (name) span { (meaning(a.target)) } }
                     @if let Some(plane) = picture {
                         (linear_image(plane, self.view, &format!("The scene with an error below {name}"))?)
                     } @else { div.nothing { "no setting measured" } }
@@ -86,7 +85,7 @@ impl TradeReport {
                 p {
                     "The cheapest setting whose picture is that close to the truth: exact shapes, lit at every pixel, shadows "
                     "and all rays followed to the end, in f64. The error is the root of the mean square over all pixels, on linear values "
-                    "before any clamp, at pixel centres."
+                    "before any clamp, at pixel centres; FLIP is the difference as an eye sees it, from 0 to 1."
                 }
                 div.grid.answers {
                     article {
@@ -170,7 +169,7 @@ impl TradeReport {
                                         td { (curve.name) }
                                         td.number { (predicted(curve)) }
                                         td.number { (measured(curve)) }
-                                        @if curve.as_predicted == Some(false) { td.off { "off" } } @else { td { "as predicted" } }
+                                        td class=[(curve.as_predicted == Some(false)).then_some("off")] { (verdict_of(curve)) }
                                         td.number { @if let Some(price) = curve.price { (times(price)) } @else { "–" } }
                                     }
                                 }
@@ -231,7 +230,7 @@ impl TradeReport {
                             thead { tr {
                                 th { "setting" }
                                 @for name in ["rmse", "p99", "max", "interior", "silhouette", "FLIP", "shaded", "pow", "rays", "box tests",
-                                    "primitive tests", "work ns/pixel", "measured ns/pixel [95 %]"] { th.number { (name) } }
+                                    "primitive tests", "work a pixel", "measured ns/pixel [95 %]"] { th.number { (name) } }
                             } }
                             tbody { @for row in self.trade.rows.iter().filter(|r| r.full.is_some()) { (table_row(row)) } }
                         }
@@ -252,7 +251,7 @@ impl TradeReport {
                     @for (name, setting) in &self.settings { dt { (name) } dd { (setting) } }
                     dt { "work" }
                     dd {
-                        "Exact counts of operations times weights in nanoseconds: " (weights.join(", ")) "; in f64 all of it "
+                        "Exact counts of operations times weights: " (weights.join(", ")) "; in f64 all of it "
                         (tick(F64_FACTOR)) " times. The same on every machine: a model of the cost, not a time."
                     }
                     dt { "times" }
@@ -275,6 +274,24 @@ impl TradeReport {
     }
 }
 
+/// Whether a slope is what theory says.
+fn verdict_of(curve: &Curve) -> &'static str {
+    match curve.as_predicted {
+        Some(true) => "as predicted",
+        Some(false) => "off",
+        None => "",
+    }
+}
+
+/// What an error means to the eye.
+fn meaning(error: f64) -> &'static str {
+    match error {
+        e if e >= 1.0 / 255.0 => "a step of an 8-bit display: hard to see",
+        e if e >= 1e-3 => "a quarter of a step: not to be seen",
+        _ => "next to what f32 can hold",
+    }
+}
+
 /// Whether an axis has a line to draw.
 fn drawable(axis: &AxisFinding) -> bool {
     !axis.knob.is_empty() && axis.curves.iter().any(|c| c.points.len() > 1)
@@ -285,7 +302,7 @@ fn choices(axis: &AxisFinding) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th {} th.number { "rmse" } th.number { "largest" } th.number { "work ns/pixel" } } }
+                thead { tr { th {} th.number { "rmse" } th.number { "largest" } th.number { "work a pixel" } } }
                 tbody {
                     @for curve in &axis.curves {
                         @for point in &curve.points {
@@ -307,7 +324,8 @@ fn predicted(curve: &Curve) -> String {
     match curve.law {
         Law::Power { low, high } if high - low < 0.35 => band(low, high),
         Law::Power { low, high } => format!("{}…{}", minus(low), minus(high)),
-        Law::Step { factor } => format!("at most {}", value(factor)),
+        Law::Step { factor } if factor < 1.0 => format!("at most {}", value(factor)),
+        Law::Step { .. } => "no bound".to_owned(),
         Law::None => "–".to_owned(),
     }
 }

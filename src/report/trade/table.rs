@@ -23,7 +23,7 @@ pub(super) fn csv(trade: &Trade) -> String {
     }
     head.extend(WEIGHTS.iter().map(|(name, ..)| (*name).to_owned()));
     let rest = [
-        "work ns/pixel",
+        "work a pixel",
         "ns/pixel",
         "95% low",
         "95% high",

@@ -109,6 +109,10 @@ fn sentence(axis: &AxisFinding, curve: &Curve) -> String {
         };
     };
     let law = match curve.law {
+        Law::Step { factor } if factor >= 1.0 => format!(
+            "each further generation leaves {} of the error (the strongest surface passes on all light, so theory has no bound)",
+            value(slope)
+        ),
         Law::Step { factor } => format!(
             "each further generation leaves {} of the error (the strongest surface passes on {}, so theory says at most that)",
             value(slope),
@@ -126,7 +130,18 @@ fn sentence(axis: &AxisFinding, curve: &Curve) -> String {
         Some(price) => format!("; ten times less error costs {} the work", times(price)),
         None => String::new(),
     };
-    format!("{name}: {law}{price}.")
+    format!("{name}: {law}{price}.{}", flat_rest(axis, curve))
+}
+
+/// What a tessellation leaves as it is: flat shapes have the same corners at any level.
+fn flat_rest(axis: &AxisFinding, curve: &Curve) -> String {
+    match curve.points.last() {
+        Some(last) if axis.part == Part::Curved && last.interior > 2.0 * last.error.rmse => {
+            let left = value(last.interior);
+            format!(" Flat shapes keep their corners: with them, the error stays at {left}.")
+        }
+        _ => String::new(),
+    }
 }
 
 /// A slope with a true minus sign.
@@ -187,6 +202,7 @@ pub(super) fn judged(axis: &AxisFinding) -> String {
         Part::All => "all pixels",
         Part::Interior => "pixels away from silhouettes",
         Part::Silhouette => "pixels at silhouettes",
+        Part::Curved => "pixels of curved shapes, away from silhouettes,",
     };
     let truth = match axis.truth.split_once(' ') {
         None if axis.truth == "local" => "the local terms on the exact shapes".to_owned(),
