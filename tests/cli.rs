@@ -48,11 +48,12 @@ fn error(folder: &Path, args: &[&str]) -> String {
 }
 
 /// The program itself, and its commands.
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "",
     "render",
     "compare",
     "explain",
+    "trade",
     "inspect",
     "scenes",
     "lecture",
@@ -91,6 +92,12 @@ fn every_example_of_the_help_runs() {
             // Small pictures: what is tested is that the line works.
             if matches!(args[0], "render" | "compare" | "lecture") && !args.contains(&"--size") {
                 args.extend(["--size", "64x48"]);
+            }
+            if args[0] == "trade" {
+                args.extend(["--size", "16x12", "--ideal-samples", "4"]);
+                if !args.contains(&"--budget") {
+                    args.extend(["--budget", "1"]);
+                }
             }
             ok(folder.path(), &args);
             ran += 1;

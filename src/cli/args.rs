@@ -200,6 +200,22 @@ pub(super) struct FollowArgs {
     pub(super) watch: bool,
 }
 
+/// What `--error` and `--time` pick, and several frames, which would each be picked apart.
+const PICKED: [&str; 12] = [
+    "mode",
+    "shading",
+    "depth",
+    "no_shadows",
+    "no_reflection",
+    "no_refraction",
+    "tessellation",
+    "precision",
+    "snap",
+    "geometry",
+    "turntable",
+    "vary",
+];
+
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
@@ -217,6 +233,12 @@ pub(super) struct RenderArgs {
     pub(super) mode: ModeArg,
     #[command(flatten)]
     pub(super) quality: QualityArgs,
+    /// Pick the cheapest setting whose error (rmse of linear values) is at most E, such as 1/255
+    #[arg(long, value_name = "E", conflicts_with_all = PICKED)]
+    pub(super) error: Option<String>,
+    /// Pick the most accurate setting that takes at most MS milliseconds on this machine
+    #[arg(long, value_name = "MS", conflicts_with_all = PICKED, conflicts_with = "error")]
+    pub(super) time: Option<f64>,
     /// Keep every term of the equation as a layer of its own (.exr)
     #[arg(long)]
     pub(super) layers: bool,

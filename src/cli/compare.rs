@@ -267,17 +267,19 @@ impl Comparison<'_> {
 
 /// The command line as it could be typed again.
 pub(super) fn command_line() -> String {
-    let quote = |arg: String| {
-        let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
-        if !arg.is_empty() && arg.chars().all(plain) {
-            arg
-        } else {
-            format!("'{arg}'")
-        }
-    };
     let mut words = vec!["rastray".to_owned()];
-    words.extend(std::env::args().skip(1).map(quote));
+    words.extend(std::env::args().skip(1).map(|arg| quoted(&arg)));
     words.join(" ")
+}
+
+/// A word of a command line, in quotes where a shell would see more in it than a word.
+pub(super) fn quoted(arg: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
+    if !arg.is_empty() && arg.chars().all(plain) {
+        arg.to_owned()
+    } else {
+        format!("'{arg}'")
+    }
 }
 
 /// What was rendered how, for the page.

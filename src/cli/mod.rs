@@ -18,12 +18,14 @@ mod opengl;
 #[path = "opengl_absent.rs"]
 mod opengl;
 mod options;
+mod pick;
 mod progress;
 mod render;
 mod series;
 mod sheet;
 mod show;
 mod trade;
+mod verify;
 mod watch;
 
 use std::process::ExitCode;
@@ -110,6 +112,7 @@ const RENDER_EXAMPLES: &str = "Examples:
   rastray render whitted --turntable 36 -o turn.gif --mode trace --size 320x240
   rastray render highlight --vary material.plastic.shininess=1..128:24 -o shininess.gif
   rastray render lights --vary 'light.candle.position=[-2,1,2]..[2,1,2]:12'   lights-0001.png to -0012
+  rastray render whitted --error 1/255        the cheapest setting that is a step of 8 bits off, or less
   rastray render mine.toml --watch --open     shown once, drawn again whenever the file is saved";
 
 const COMPARE_EXAMPLES: &str = "Examples:

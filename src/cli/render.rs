@@ -12,6 +12,8 @@ use rastray::report::files::{self, Format};
 use rastray::report::layered::NamedLayer;
 use rastray::scene::Scene;
 use rastray::scene::assembly::Assembly;
+use rastray::trade::choose::Choice;
+use rastray::trade::setting::{Precision, Renderer, Setting};
 use rastray::{raster, trace};
 use serde_json::{Value, json};
 
@@ -20,11 +22,12 @@ use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
 use super::series::Series;
 use super::watch::{Made, follow};
-use super::{commands, diagnostic, opengl, series};
+use super::{commands, diagnostic, opengl, pick, series};
 
 /// What a render needs beyond the scene.
 struct Job {
     mode: ModeArg,
+    precision: PrecisionArg,
     geometry: trace::Geometry,
     clamp: bool,
     layers: bool,
@@ -52,6 +55,10 @@ pub(super) struct Shot {
     imported: Imported,
     import_seconds: f64,
     isa: Isa,
+    mode: ModeArg,
+    precision: PrecisionArg,
+    /// What `--error` or `--time` picked.
+    picked: Option<Choice>,
     done: Done,
 }
 
@@ -142,7 +149,7 @@ fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
     if path != Path::new("-") {
         verbosity.say(path.display());
     }
-    tell(args, &stats(args, &shot, writing.elapsed().as_secs_f64()))?;
+    tell(args, &stats(&shot, writing.elapsed().as_secs_f64()))?;
     Ok(Made {
         inputs: shot.imported.files,
         result: path,
@@ -165,8 +172,9 @@ pub(super) fn shoot(
         .as_deref()
         .and_then(|path| Format::of_path(path).ok())
         .is_some_and(Format::is_float);
-    let job = Job {
+    let mut job = Job {
         mode: args.mode,
+        precision: args.quality.precision,
         geometry: match args.geometry {
             GeometryArg::Exact => trace::Geometry::Exact,
             GeometryArg::Mesh => trace::Geometry::Mesh,
@@ -178,20 +186,50 @@ pub(super) fn shoot(
         refraction: !args.quality.no_refraction,
         quality,
     };
+    let picked = pick::pick(args, &imported.scene, isa, verbosity)?;
+    if let Some(choice) = &picked {
+        imported.scene = choice.setting.apply(&imported.scene);
+        job.take(&choice.setting);
+    }
     // After the notes, which must not meet a bar. A series has a bar of its own, and asks for quiet.
     let progress = Progress::new(verbosity, 1);
     progress.step(0, "rendering");
-    let done = match args.quality.precision {
-        PrecisionArg::F32 => draw::<f32>(&imported.scene, &job)?,
-        PrecisionArg::F64 => draw::<f64>(&imported.scene, &job)?,
-    };
+    let done = draw_in(&imported.scene, &job)?;
     drop(progress);
     Ok(Shot {
         imported,
         import_seconds,
         isa,
+        mode: job.mode,
+        precision: job.precision,
+        picked,
         done,
     })
+}
+
+impl Job {
+    /// Draws as a setting says; what of it is the scene's, the scene has.
+    fn take(&mut self, setting: &Setting) {
+        self.mode = match setting.renderer {
+            Renderer::Raster => ModeArg::Raster,
+            Renderer::Cast => ModeArg::Cast,
+            Renderer::Trace => ModeArg::Trace,
+        };
+        self.precision = match setting.precision {
+            Precision::F32 => PrecisionArg::F32,
+            Precision::F64 => PrecisionArg::F64,
+        };
+        self.geometry = setting.geometry;
+        self.quality.level = Some(setting.level);
+    }
+}
+
+/// Draws in the precision that is asked for.
+fn draw_in(scene: &Scene, job: &Job) -> Result<Done, Error> {
+    match job.precision {
+        PrecisionArg::F32 => draw::<f32>(scene, job),
+        PrecisionArg::F64 => draw::<f64>(scene, job),
+    }
 }
 
 /// A picture of a scene as its PNG would hold it, still in float: GL's clamps, exact shapes where it is traced.
@@ -203,6 +241,7 @@ pub(super) fn picture(
 ) -> Result<Plane<[f32; 3]>, Error> {
     let job = Job {
         mode,
+        precision: args.precision,
         geometry: trace::Geometry::Exact,
         clamp: true,
         layers: false,
@@ -211,21 +250,23 @@ pub(super) fn picture(
         refraction: !args.no_refraction,
         quality: quality.clone(),
     };
-    let done = match args.precision {
-        PrecisionArg::F32 => draw::<f32>(scene, &job)?,
-        PrecisionArg::F64 => draw::<f64>(scene, &job)?,
-    };
-    Ok(done.color)
+    Ok(draw_in(scene, &job)?.color)
 }
 
 /// Times and counters of a render.
-pub(super) fn stats(args: &RenderArgs, shot: &Shot, write_seconds: f64) -> Value {
+pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
     let (scene, done) = (&shot.imported.scene, &shot.done);
     json!({
         "scene": scene.name,
         "size": [scene.image.width, scene.image.height],
-        "mode": mode_name(args.mode),
-        "precision": match args.quality.precision { PrecisionArg::F32 => "f32", PrecisionArg::F64 => "f64" },
+        "mode": mode_name(shot.mode),
+        "picked": shot.picked.as_ref().map(|choice| json!({
+            "arguments": choice.arguments,
+            "tried": choice.tried,
+            "expected_rmse": choice.error,
+            "expected_seconds": choice.seconds,
+        })),
+        "precision": match shot.precision { PrecisionArg::F32 => "f32", PrecisionArg::F64 => "f64" },
         "instruction_set": shot.isa.name(),
         "threads": rayon::current_num_threads(),
         "triangles": done.triangles,

@@ -295,7 +295,7 @@ pub(super) fn render(
             };
             write(&numbered(&path, frame), &shot, args, said)?;
         }
-        all_stats.push(stats(args, &shot, writing.elapsed().as_secs_f64()));
+        all_stats.push(stats(&shot, writing.elapsed().as_secs_f64()));
     }
     if gif {
         progress.step(frames.into(), "palette and GIF");

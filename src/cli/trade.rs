@@ -1,25 +1,45 @@
-//! `rastray trade`: speed against accuracy, measured.
+//! `rastray trade`: speed against accuracy, measured, into a folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
-use rastray::error::Error;
+use rastray::error::{Error, Note};
+use rastray::frame::Plane;
+use rastray::import::Imported;
 use rastray::lanes::Isa;
-use rastray::trade::accuracy::Accuracy;
+use rastray::report::files::{self, View};
+use rastray::report::trade::TradeReport;
+use rastray::sampling::MAX_SAMPLES;
+use rastray::scene::Scene;
+use rastray::trade::choose::shrunk;
 use rastray::trade::draw::Job;
-use rastray::trade::setting::{Renderer, Setting};
-use rastray::trade::truth::{Truth, silhouette};
+use rastray::trade::finding::{Trade, find};
+use rastray::trade::journal::{Found, Journal};
+use rastray::trade::run::{Options, Outcome, run};
+use rastray::trade::truth::{IDEAL_SAMPLES, Truth};
 
 use super::args::SceneArgs;
-use super::commands;
 use super::extremes::extremes;
-use super::options::Verbosity;
+use super::options::{Verbosity, parse_size};
+use super::progress::Progress;
+use super::{commands, compare, diagnostic, show, verify};
+
+/// Pixels of the measured pictures where nobody says: 160 x 120 for most scenes.
+const PIXELS: f64 = 19_200.0;
+/// The longest budget: a week.
+const LONGEST: f64 = 604_800.0;
 
 /// Examples of the long help.
 pub(super) const EXAMPLES: &str = "Examples:
-  rastray trade whitted --size 48x36 --budget 1
-  rastray trade --extremes                    what holds at the ends of the numbers, as a page";
+  rastray trade whitted --open                whitted-trade/index.html after a minute
+  rastray trade highlight --set raster.snap=12 -o fine
+  rastray trade 15-mirror --budget 2 --json
+  rastray trade --extremes                    what holds at the ends of the numbers, as a page
+
+A run that is interrupted loses only the setting at hand: what is measured is kept in the folder's journal.jsonl,
+and the same command goes on from there. A changed scene, size or version starts again.";
 
 #[derive(Debug, Args)]
 pub(super) struct TradeArgs {
@@ -33,15 +53,30 @@ pub(super) struct TradeArgs {
     /// Output folder (default: SCENE-trade)
     #[arg(short, long, value_name = "FOLDER")]
     pub(super) output: Option<PathBuf>,
-    /// Size of the pictures in pixels
+    /// Size of the measured pictures in pixels (default: the scene's shape, about 160x120)
     #[arg(long, value_name = "WxH")]
     pub(super) size: Option<String>,
-    /// Seconds to spend; a run with the same scene goes on where the last one ended
+    /// Seconds to spend; another run with the same scene goes on where this one ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub(super) budget: f64,
     /// Instead of a scene: shipped scenes with every input at its extremes, f32 against f64, into extremes/
     #[arg(long, conflicts_with_all = ["scene", "sets", "budget"])]
     pub(super) extremes: bool,
+    /// Samples of the ideal picture that samples are judged by
+    #[arg(long, value_name = "N", default_value_t = IDEAL_SAMPLES, hide_short_help = true, help_heading = "Expert")]
+    pub(super) ideal_samples: u32,
+    /// Take no times: errors and exact counts only
+    #[arg(long, hide_short_help = true, help_heading = "Expert")]
+    pub(super) no_times: bool,
+    /// Check each answer against the truth at other places: other seeds, twice the samples
+    #[arg(long, hide_short_help = true, help_heading = "Expert")]
+    pub(super) verify: bool,
+    /// Show the page with the system's viewer
+    #[arg(long)]
+    pub(super) open: bool,
+    /// Print trade.json
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 impl TradeArgs {
@@ -57,30 +92,212 @@ impl TradeArgs {
             strict_gl: false,
         })
     }
+
+    fn options(&self) -> Result<Options, Error> {
+        if !(self.budget > 0.0 && self.budget <= LONGEST) {
+            let message = format!(
+                "{}: expected seconds, more than 0, at most {LONGEST}",
+                self.budget
+            );
+            return Err(Error::parameter("--budget", message));
+        }
+        if !(2..=MAX_SAMPLES).contains(&self.ideal_samples) {
+            let message = format!("{}: expected 2 to {MAX_SAMPLES}", self.ideal_samples);
+            return Err(Error::parameter("--ideal-samples", message));
+        }
+        Ok(Options {
+            isa: Isa::detect(),
+            budget: Duration::from_secs_f64(self.budget),
+            ideal_samples: self.ideal_samples,
+            times: !self.no_times,
+        })
+    }
 }
 
 /// Runs the command.
 pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
     if args.extremes {
-        let size = args.size.as_deref().map(super::options::parse_size);
-        return extremes(args.output.as_deref(), size.transpose()?, verbosity);
+        let size = args.size.as_deref().map(parse_size).transpose()?;
+        return extremes(args.output.as_deref(), size, verbosity);
     }
-    let mut imported = commands::load(&args.scene()?, &[], verbosity)?;
-    if let Some(size) = &args.size {
-        let (width, height) = super::options::parse_size(size)?;
-        imported.resize(width, height);
+    let scene_args = args.scene()?;
+    let options = args.options()?;
+    let mut imported = commands::load(&scene_args, &[], verbosity)?;
+    match &args.size {
+        Some(size) => {
+            let (width, height) = parse_size(size)?;
+            imported.resize(width, height);
+        }
+        None => {
+            let image = shrunk(&imported.scene, PIXELS).image;
+            imported.resize(image.width, image.height);
+        }
     }
-    let scene = &imported.scene;
-    let isa = Isa::detect();
-    let truth = Truth::Full.draw(scene, isa)?;
-    let mut text = String::new();
-    for (_, renderer) in Renderer::NAMES {
-        let setting = Setting::by(*renderer, scene);
-        let drawn = Job::new(scene, &setting, isa).draw()?;
-        let mask = silhouette(&drawn.object, &truth.object);
-        let accuracy = Accuracy::of(&drawn.color, &truth.color, &mask, 0.0);
-        text += &format!("{:30} rmse {:.3e}\n", setting.name(), accuracy.all.rmse);
+    let folder = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}-trade", imported.scene.name)));
+    files::check_folder(&folder, "--output")?;
+    files::create_folder(&folder)?;
+    let (report, outcome) = measured(&scene_args, &imported, &options, &folder, verbosity)?;
+    report.write(&folder)?;
+    if args.verify {
+        verify::print(&imported.scene, &report.trade, &outcome, &options)?;
     }
-    commands::print(&text)?;
+    finish(args, &report, &folder, verbosity)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Measures what the folder's journal does not know, and gathers the report.
+fn measured(
+    scene_args: &SceneArgs,
+    imported: &Imported,
+    options: &Options,
+    folder: &Path,
+    verbosity: Verbosity,
+) -> Result<(TradeReport, Outcome), Error> {
+    let scene = &imported.scene;
+    let mut journal = Journal::open(&folder.join("journal.jsonl"), scene, options.isa)?;
+    let found = found_note(journal.found, folder);
+    if let Some(note) = found
+        .iter()
+        .filter(|_| verbosity != Verbosity::Quiet)
+        .next()
+    {
+        diagnostic::note(note);
+    }
+    // The number of steps is known once the first is heard of.
+    let progress = std::cell::OnceCell::new();
+    let step = |done: usize, all: usize, name: &str| {
+        let bar = progress.get_or_init(|| Progress::new(verbosity, all as u64));
+        bar.step(done as u64, name);
+    };
+    let outcome = run(scene, options, &mut journal, &step)?;
+    let trade = find(
+        scene,
+        options.ideal_samples,
+        options.isa,
+        &outcome,
+        &journal,
+    );
+    let truth = Truth::Full.draw(scene, options.isa)?;
+    let answers = pictures(scene, &trade, &outcome, options.isa)?;
+    drop(progress);
+    let report = TradeReport {
+        scene_arguments: typed(scene_args),
+        command: compare::command_line(),
+        view: View::Linear,
+        truth: to_f32(&truth.color),
+        answers,
+        notes: imported.notes.iter().cloned().chain(found).collect(),
+        settings: settings(scene, options, &outcome, truth.depth),
+        trade,
+    };
+    Ok((report, outcome))
+}
+
+/// What the state of the journal means for the reader.
+fn found_note(found: Found, folder: &Path) -> Option<Note> {
+    let message = match found {
+        Found::Nothing | Found::Same(0) => return None,
+        Found::Same(n) => format!(
+            "{n} settings were measured by earlier runs, kept in {}",
+            folder.display()
+        ),
+        Found::Other => format!(
+            "{} held measurements of another scene, size, version or instruction set: they are gone, and this run starts again",
+            folder.display()
+        ),
+    };
+    Some(Note {
+        place: None,
+        message,
+    })
+}
+
+/// The picture of each answer.
+fn pictures(
+    scene: &Scene,
+    trade: &Trade,
+    outcome: &Outcome,
+    isa: Isa,
+) -> Result<Vec<Option<Plane<[f32; 3]>>>, Error> {
+    let draw = |row: Option<usize>| {
+        let name = &trade.rows[row?].setting;
+        let task = outcome
+            .tasks
+            .iter()
+            .find(|t| t.setting.name(scene) == *name)?;
+        Some(
+            Job::new(scene, &task.setting, isa)
+                .draw()
+                .map(|d| to_f32(&d.color)),
+        )
+    };
+    trade
+        .answers
+        .iter()
+        .map(|a| draw(a.row).transpose())
+        .collect()
+}
+
+fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
+    plane.map(|c| c.map(|x| x as f32))
+}
+
+/// The scene and its overrides as they can be typed again.
+fn typed(args: &SceneArgs) -> String {
+    let mut words = vec![compare::quoted(&args.scene)];
+    for set in &args.sets {
+        words.push(format!("--set {}", compare::quoted(set)));
+    }
+    words.join(" ")
+}
+
+fn settings(
+    scene: &Scene,
+    options: &Options,
+    outcome: &Outcome,
+    depth: u32,
+) -> Vec<(String, String)> {
+    let image = &scene.image;
+    let [asked, complete] = outcome.timed;
+    let times = if options.times {
+        format!(
+            "{} s; {asked} times asked in this run, {complete} of them from 31 rounds",
+            options.budget.as_secs_f64()
+        )
+    } else {
+        format!("{} s; no times", options.budget.as_secs_f64())
+    };
+    let pairs = [
+        ("size", format!("{} × {}", image.width, image.height)),
+        ("budget", times),
+        (
+            "truth",
+            format!("exact shapes, f64, rays up to generation {depth}"),
+        ),
+        ("instruction set", options.isa.name().to_owned()),
+    ];
+    pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
+}
+
+/// Tells the result.
+fn finish(
+    args: &TradeArgs,
+    report: &TradeReport,
+    folder: &Path,
+    verbosity: Verbosity,
+) -> Result<(), Error> {
+    let page = folder.join("index.html");
+    if args.json {
+        commands::print(&report.to_json()?)?;
+    } else if verbosity != Verbosity::Quiet {
+        commands::print(&report.to_text())?;
+    }
+    verbosity.say(page.display());
+    if args.open {
+        show::open(&page);
+    }
+    Ok(())
 }

@@ -14,6 +14,7 @@
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`atlas`]: the extremes atlas.
+//! - [`trade`]: speed against accuracy, as a folder of its own.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
@@ -40,5 +41,6 @@ mod sections;
 pub mod summary;
 pub mod text;
 pub mod topic;
+pub mod trade;
 
 pub use page::{NamedPlane, Report};

@@ -4,9 +4,12 @@
 //! are, so that an infinite highlight gives a large number instead of none. Silhouettes are set apart because they drown
 //! everything else: one pixel at an edge that shows the other surface is off by as much as the surfaces differ.
 
+use rastray_compare::{CompareError, Encoding, ImageView, Viewing, flip};
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use crate::frame::Plane;
+use crate::math::color::quantize8;
 
 /// The largest magnitude that is compared.
 const LIMIT: f64 = 1_048_576.0;
@@ -59,32 +62,60 @@ pub struct Accuracy {
     pub interior: Errors,
     /// Pixels at silhouettes.
     pub silhouette: Errors,
+    /// Pixels of curved shapes, away from silhouettes.
+    pub curved: Errors,
     /// Mean FLIP error of the 8-bit picture at 67 pixels a degree.
     pub flip: f64,
 }
 
 impl Accuracy {
-    /// Of a picture against the truth; `silhouette` says which pixels are.
+    /// Of a picture against the truth of the same size; `silhouette` and `curved` say which pixels are.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where FLIP refuses the pictures.
     pub fn of(
         picture: &Plane<[f64; 3]>,
         truth: &Plane<[f64; 3]>,
-        silhouette: &[bool],
-        flip: f64,
-    ) -> Self {
+        silhouette: &Plane<bool>,
+        curved: &Plane<bool>,
+    ) -> Result<Self, Error> {
         let differences = || picture.data.iter().zip(&truth.data).map(difference);
         let of = |at: bool| {
             let chosen = differences()
-                .zip(silhouette)
+                .zip(&silhouette.data)
                 .filter(move |(_, s)| **s == at);
             Errors::of(chosen.map(|(d, _)| d))
         };
-        Self {
+        let masks = || silhouette.data.iter().zip(&curved.data);
+        let round = differences().zip(masks()).filter(|(_, (s, c))| !**s && **c);
+        Ok(Self {
             all: Errors::of(differences()),
             interior: of(false),
             silhouette: of(true),
-            flip,
-        }
+            curved: Errors::of(round.map(|(d, _)| d)),
+            flip: mean_flip(picture, truth)?,
+        })
     }
+}
+
+/// Mean FLIP error of the 8-bit pictures at the default distance.
+fn mean_flip(picture: &Plane<[f64; 3]>, truth: &Plane<[f64; 3]>) -> Result<f64, Error> {
+    let stored =
+        |plane: &Plane<[f64; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
+    let (a, b) = (stored(picture), stored(truth));
+    let fail = |e| Error::limit(format!("cannot compare the pictures: {e}"));
+    let map = flip(
+        &view_of(&a).map_err(fail)?,
+        &view_of(&b).map_err(fail)?,
+        Viewing::default(),
+    )
+    .map_err(fail)?;
+    Ok(map.summary().mean)
+}
+
+/// Values are displayed as they are stored, as GL's are: taken as sRGB, like those of any PNG.
+fn view_of(plane: &Plane<[f32; 3]>) -> Result<ImageView<'_>, CompareError> {
+    ImageView::new(plane.width, plane.height, &plane.data, Encoding::Srgb)
 }
 
 fn difference((a, b): (&[f64; 3], &[f64; 3])) -> [f64; 3] {
@@ -116,9 +147,16 @@ mod tests {
             data: x.map(|v| [v; 3]).to_vec(),
         };
         let (test, truth) = (plane([1.0, f64::INFINITY]), plane([0.5, f64::INFINITY]));
-        let a = Accuracy::of(&test, &truth, &[false, true], 0.25);
+        let mask = Plane {
+            width: 2,
+            height: 1,
+            data: vec![false, true],
+        };
+        let of = |truth| Accuracy::of(&test, truth, &mask, &mask).expect("small pictures");
+        let a = of(&truth);
         assert_eq!((a.interior.max, a.silhouette.max), (0.5, 0.0));
-        let far = Accuracy::of(&test, &plane([0.5, 0.0]), &[false, true], 0.0);
+        let far = of(&plane([0.5, 0.0]));
+        assert!(far.flip > a.flip && a.flip > 0.0);
         assert_eq!(far.silhouette.max, LIMIT);
     }
 }

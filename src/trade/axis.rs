@@ -5,11 +5,10 @@
 
 use serde::Serialize;
 
-use super::setting::{Precision, Renderer, Setting, has_curves, shading_name};
+use super::setting::{Precision, Renderer, Setting, bounces, has_curves, shading_name};
 use super::truth::Truth;
 use crate::gl::ShadeModel;
 use crate::sampling::Pattern;
-use crate::scene::requirements::{Feature, Mode, Requirements};
 use crate::scene::tessellate::DEFAULT_LEVEL;
 use crate::scene::{Scene, Snap};
 use crate::trace::Geometry;
@@ -29,6 +28,8 @@ pub enum Part {
     All,
     /// Those away from silhouettes.
     Interior,
+    /// Those of curved shapes, away from silhouettes.
+    Curved,
     /// Those at silhouettes.
     Silhouette,
 }
@@ -88,6 +89,7 @@ pub fn axes(scene: &Scene, ideal_samples: u32) -> Vec<Axis> {
     all.extend(geometry(scene));
     all.push(precision(scene));
     all.push(snap(scene));
+    all.push(offset(scene));
     all
 }
 
@@ -139,7 +141,11 @@ fn shading(scene: &Scene) -> Axis {
         name: "shading and tessellation",
         knob: if levels.len() > 1 { "slices" } else { "" },
         truth: Truth::Local,
-        part: Part::Interior,
+        part: if levels.len() > 1 {
+            Part::Curved
+        } else {
+            Part::Interior
+        },
         series: series.into(),
     }
 }
@@ -166,8 +172,7 @@ fn depth(scene: &Scene) -> Option<Axis> {
 
 /// The largest share of light that a bounce passes on; `None` where nothing mirrors or transmits.
 pub fn bounce_weight(scene: &Scene) -> Option<f64> {
-    let needs = Requirements::plan(scene, Mode::Trace, Default::default());
-    if !needs.has(Feature::ReflectionRays) && !needs.has(Feature::RefractionRays) {
+    if !bounces(scene) {
         return None;
     }
     let used = scene.objects.iter().flat_map(|o| &o.materials);
@@ -227,33 +232,46 @@ fn geometry(scene: &Scene) -> Option<Axis> {
     if !has_curves(scene) {
         return None;
     }
-    let trace = Setting::by(Renderer::Trace, scene);
-    let mesh = |level: u32| {
-        let setting = Setting {
-            geometry: Geometry::Mesh,
-            level,
-            ..trace
-        };
-        (f64::from(level), setting)
+    let exact = Setting::by(Renderer::Trace, scene);
+    let mesh = |level: u32| Setting {
+        geometry: Geometry::Mesh,
+        level,
+        ..exact
     };
     Some(Axis {
         name: "geometry",
-        knob: "slices",
+        knob: "",
         truth: Truth::Full,
         part: Part::All,
-        series: vec![
-            Series {
-                name: "mesh".to_owned(),
-                settings: [16, 64, 256].map(mesh).into(),
-                law: Law::None,
-            },
-            Series {
-                name: "exact shapes".to_owned(),
-                settings: vec![(1.0, trace)],
-                law: Law::None,
-            },
-        ],
+        series: choices(vec![
+            ("mesh of 16 slices", mesh(16)),
+            ("mesh of 64 slices", mesh(64)),
+            ("mesh of 256 slices", mesh(256)),
+            ("exact shapes", exact),
+        ]),
     })
+}
+
+/// How far off the surface secondary rays start: the bound of the hit's error, or a fixed distance in scene units.
+fn offset(scene: &Scene) -> Axis {
+    let by_bound = Setting::by(Renderer::Trace, scene);
+    let fixed = |distance: f64| Setting {
+        offset: Some(distance),
+        ..by_bound
+    };
+    Axis {
+        name: "ray offset",
+        knob: "",
+        truth: Truth::Full,
+        part: Part::All,
+        series: choices(vec![
+            ("bound of the error", by_bound),
+            ("fixed 0", fixed(0.0)),
+            ("fixed 10⁻⁶", fixed(1e-6)),
+            ("fixed 10⁻³", fixed(1e-3)),
+            ("fixed 10⁻²", fixed(1e-2)),
+        ]),
+    }
 }
 
 fn precision(scene: &Scene) -> Axis {
@@ -332,7 +350,8 @@ mod tests {
 
     #[test]
     fn axes_are_those_that_change_something() {
-        let names = |scene: &Scene| -> Vec<&str> { axes(scene, 16).iter().map(|a| a.name).collect() };
+        let names =
+            |scene: &Scene| -> Vec<&str> { axes(scene, 16).iter().map(|a| a.name).collect() };
         let all = names(&scene("whitted"));
         assert!(all.contains(&"recursion depth") && all.contains(&"geometry"));
         let local = names(&scene("two-sided"));
@@ -350,7 +369,7 @@ mod tests {
         let grid = grid(&scene);
         assert!(grid.contains(&Setting::of(&scene)));
         for (i, setting) in grid.iter().enumerate() {
-            assert!(!grid[..i].contains(setting), "{}", setting.name());
+            assert!(!grid[..i].contains(setting), "{}", setting.name(&scene));
         }
         // Mirror 1 at most: the weight of the shipped materials.
         let weight = bounce_weight(&scene).expect("mirrors");

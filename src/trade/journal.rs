@@ -158,7 +158,10 @@ impl Journal {
         };
         let fail = |e: std::io::Error| Error::io(path.display().to_string(), "write", e);
         let text = serde_json::to_string(line).map_err(|e| fail(e.into()))?;
-        let cut = fs::read(path).map_err(fail)?.last().is_some_and(|b| *b != b'\n');
+        let cut = fs::read(path)
+            .map_err(fail)?
+            .last()
+            .is_some_and(|b| *b != b'\n');
         let mut file = fs::File::options().append(true).open(path).map_err(fail)?;
         let start = if cut { "\n" } else { "" };
         file.write_all(format!("{start}{text}\n").as_bytes())
@@ -191,7 +194,9 @@ mod tests {
     use crate::trade::cost::Counts;
 
     fn scene() -> Scene {
-        load("highlight", &LoadOptions::default()).expect("shipped").scene
+        load("highlight", &LoadOptions::default())
+            .expect("shipped")
+            .scene
     }
 
     fn measured(name: &str) -> Measured {

@@ -6,7 +6,8 @@ use super::accuracy::Accuracy;
 use super::cost::Counts;
 use super::draw::{Drawn, Job};
 use super::setting::Setting;
-use super::truth::{Reference, Truth, silhouette};
+use super::truth::{Reference, Truth};
+use crate::decompose::silhouette;
 use crate::error::Error;
 use crate::lanes::Isa;
 use crate::scene::Scene;
@@ -83,7 +84,7 @@ impl<'a> Judge<'a> {
         let drawn = Job::new(self.scene, setting, self.isa).draw()?;
         let mut errors = Vec::new();
         for truth in truths {
-            let accuracy = judge(&drawn, self.truth(*truth)?);
+            let accuracy = judge(&drawn, self.truth(*truth)?)?;
             errors.push((truth.name(), accuracy));
         }
         Ok(Measured {
@@ -95,7 +96,10 @@ impl<'a> Judge<'a> {
 }
 
 /// A picture's error against a truth.
-pub fn judge(drawn: &Drawn, truth: &Reference) -> Accuracy {
+///
+/// # Errors
+/// [`Error::Limit`] where the pictures cannot be compared.
+pub fn judge(drawn: &Drawn, truth: &Reference) -> Result<Accuracy, Error> {
     let mask = silhouette(&drawn.object, &truth.object);
-    Accuracy::of(&drawn.color, &truth.color, &mask)
+    Accuracy::of(&drawn.color, &truth.color, &mask, &truth.curved)
 }

@@ -12,17 +12,31 @@
 //! | `accuracy` | how far a picture is from it |
 //! | `cost` | operation counts, and one number made of them |
 //! | `timing` | times in pairs, with an interval or none |
+//! | `measure` | a setting judged by its truths |
+//! | `axis` | the knobs one at a time, and the grid of all |
+//! | `run` `journal` | everything within a budget; what is known so far, on disk |
 //! | `fit` `front` | slopes; the Pareto front |
 //! | `extremes` | the atlas: shipped scenes at the ends of every input |
+//! | `finding` | rows, curves, answers |
+//! | `choose` `verify` | the setting for an accuracy or a time; whether a promise holds at other places |
+//! | `power` | forms of the power, on a scene's exponents |
 //!
 //! Numerics guide, section 6.
 
 pub mod accuracy;
+pub mod axis;
+pub mod choose;
 pub mod cost;
 pub mod draw;
 pub mod extremes;
+pub mod finding;
 pub mod fit;
 pub mod front;
+pub mod journal;
+pub mod measure;
+pub mod power;
+pub mod run;
 pub mod setting;
 pub mod timing;
 pub mod truth;
+pub mod verify;

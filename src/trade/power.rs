@@ -45,7 +45,9 @@ impl Form {
     /// What to call it.
     pub fn name(self) -> String {
         match self {
-            Self::Equation => "the equation's: exp(n ln cos), ln from the sine near the peak".to_owned(),
+            Self::Equation => {
+                "the equation's: exp(n ln cos), ln from the sine near the peak".to_owned()
+            }
             Self::Direct => "powf of the cosine".to_owned(),
             Self::Squaring => "repeated squaring".to_owned(),
             Self::Table(n) => format!("table of {n}, interpolated"),
@@ -61,7 +63,8 @@ impl Form {
             Self::Equation => return None,
             Self::Direct => single.map(|c| libm::powf(c, n)).collect(),
             Self::Squaring => {
-                let whole = (exponent.fract() == 0.0 && (1.0..=1e6).contains(&exponent)).then_some(exponent as u32)?;
+                let whole = (exponent.fract() == 0.0 && (1.0..=1e6).contains(&exponent))
+                    .then_some(exponent as u32)?;
                 single.map(|c| squared(c, whole)).collect()
             }
             Self::Table(entries) => {
@@ -137,7 +140,13 @@ pub fn errors(exponents: &[f64], model: SpecularModel, isa: Isa) -> Vec<PowerErr
             form => form.of_cosines(&cosines, exponent)?,
         };
         let exact = cosines.iter().map(|c| libm::pow(*c, exponent));
-        Some(values.iter().zip(exact).map(|(v, e)| (v - e).abs()).fold(0.0, f64::max))
+        Some(
+            values
+                .iter()
+                .zip(exact)
+                .map(|(v, e)| (v - e).abs())
+                .fold(0.0, f64::max),
+        )
     };
     Form::ALL
         .into_iter()
@@ -168,7 +177,11 @@ fn highlight(angles: &[f64], exponent: f64, model: SpecularModel, isa: Isa) -> V
         shininess: exponent,
         ..Material::default()
     };
-    let share = if model == SpecularModel::HalfVector { 1.0 } else { 0.5 };
+    let share = if model == SpecularModel::HalfVector {
+        1.0
+    } else {
+        0.5
+    };
     let mut points = Points::<f32>::default();
     for angle in angles {
         // At the horizon itself the gate n.l > 0 would close.
@@ -190,7 +203,11 @@ mod tests {
     /// Against the numerics guide's own measurement (`trade.json`, pow_n8, pow_n128, pow_n1000).
     #[test]
     fn forms_are_off_by_what_the_guide_measured() {
-        let found = errors(&[8.0, 128.0, 1000.0], SpecularModel::HalfVector, Isa::detect());
+        let found = errors(
+            &[8.0, 128.0, 1000.0],
+            SpecularModel::HalfVector,
+            Isa::detect(),
+        );
         let of = |form: Form| {
             let name = form.name();
             let row = found.iter().find(|e| e.form == name).expect("compared");

@@ -4,9 +4,9 @@
 //! trade recommends can be typed. Two settings that draw the same picture by the same work are equal: fields that a
 //! renderer does not read hold the scene's own value.
 
-use crate::frame::NONE;
 use crate::gl::ShadeModel;
 use crate::sampling::Pattern;
+use crate::scene::requirements::{Feature, Mode, Model, Requirements};
 use crate::scene::tessellate::DEFAULT_LEVEL;
 use crate::scene::{Geometry, Object, Scene, Shape, Snap};
 use crate::trace;
@@ -82,6 +82,9 @@ pub struct Setting {
     pub depth: u32,
     /// Rasterizer: sub-pixel grid.
     pub snap: Snap,
+    /// Tracer: secondary rays start this far off the surface, in scene units; `None` = by the bound of the hit's error. A
+    /// study only: nothing else in the program offers a fixed distance.
+    pub offset: Option<f64>,
 }
 
 impl Setting {
@@ -98,6 +101,7 @@ impl Setting {
             pattern: Pattern::Grid,
             depth: scene.trace.depth,
             snap: scene.raster.snap,
+            offset: None,
         }
     }
 
@@ -135,7 +139,7 @@ impl Setting {
             plain.snap = own.snap;
         }
         if self.renderer != Renderer::Trace {
-            plain.depth = own.depth;
+            (plain.depth, plain.offset) = (own.depth, None);
         }
         if self.samples == 1 && self.pattern == Pattern::Grid {
             plain.pattern = Pattern::Grid;
@@ -163,8 +167,13 @@ impl Setting {
         scene
     }
 
-    /// In a few words, such as "raster gouraud 64" or "trace depth 3 f64".
-    pub fn name(&self) -> String {
+    /// Whether `rastray render` can draw it.
+    pub fn is_offered(&self) -> bool {
+        self.offset.is_none()
+    }
+
+    /// In a few words, such as "raster gouraud 64 snap 8" or "trace depth 3 f64"; no depth where nothing mirrors or transmits.
+    pub fn name(&self, scene: &Scene) -> String {
         let mut words = vec![self.renderer.name().to_owned()];
         match self.renderer {
             Renderer::Raster => {
@@ -173,7 +182,8 @@ impl Setting {
                 words.push(format!("snap {}", self.snap.name()));
             }
             Renderer::Cast => {}
-            Renderer::Trace => words.push(format!("depth {}", self.depth)),
+            Renderer::Trace if bounces(scene) => words.push(format!("depth {}", self.depth)),
+            Renderer::Trace => {}
         }
         if self.renderer != Renderer::Raster && self.geometry == trace::Geometry::Mesh {
             words.push(format!("mesh {}", self.level));
@@ -184,6 +194,9 @@ impl Setting {
         if self.samples != 1 || self.pattern != Pattern::Grid {
             let pattern = name_of(Pattern::NAMES, self.pattern);
             words.push(format!("{} {pattern} samples", self.samples));
+        }
+        if let Some(offset) = self.offset {
+            words.push(format!("offset {offset}"));
         }
         words.join(" ")
     }
@@ -247,14 +260,15 @@ pub fn is_curved(object: &Object) -> bool {
     }
 }
 
+/// Whether a scene has secondary rays: something mirrors or transmits.
+pub fn bounces(scene: &Scene) -> bool {
+    let needs = Requirements::plan(scene, Mode::Trace, Model::Required);
+    needs.has(Feature::ReflectionRays) || needs.has(Feature::RefractionRays)
+}
+
 /// Whether the tessellation of a scene matters.
 pub fn has_curves(scene: &Scene) -> bool {
     scene.objects.iter().any(is_curved)
-}
-
-/// Whether a pixel shows an object.
-pub(super) fn covered(object: u32) -> bool {
-    object != NONE
 }
 
 #[cfg(test)]

@@ -6,11 +6,12 @@
 //! | [`Truth::Local`] | the rasterizer's terms | pixel centres | shading and tessellation, which missing shadows would drown |
 //! | [`Truth::Mesh`] | the same, on the triangles of a level | pixel centres | the sub-pixel grid, which the chords would drown |
 //! | [`Truth::Ideal`] | Whitted's | many jittered samples | samples: what is wrong with its edges |
+//! | [`Truth::Own`] | Whitted's | the scene's own samples | the setting that `render --error` picks |
 //!
 //! Secondary rays go on until their weight is below [`LEAST_WEIGHT`] in every channel.
 
 use super::draw::{Drawn, Job};
-use super::setting::{Precision, Renderer, Setting, covered};
+use super::setting::{Precision, Renderer, Setting, is_curved};
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::lanes::Isa;
@@ -38,6 +39,8 @@ pub enum Truth {
     Mesh(u32),
     /// Whitted's picture as the mean of this many jittered samples.
     Ideal(u32),
+    /// Whitted's picture at the samples that the scene asks for.
+    Own,
 }
 
 /// A truth that was drawn.
@@ -47,6 +50,8 @@ pub struct Reference {
     pub color: Plane<[f64; 3]>,
     /// The object seen at each pixel's first sample.
     pub object: Plane<u32>,
+    /// Whether that is a curved shape.
+    pub curved: Plane<bool>,
     /// Generations of secondary rays that were followed.
     pub depth: u32,
 }
@@ -59,6 +64,7 @@ impl Truth {
             Self::Local => "local".to_owned(),
             Self::Mesh(level) => format!("mesh {level}"),
             Self::Ideal(samples) => format!("ideal {samples}"),
+            Self::Own => "own".to_owned(),
         }
     }
 
@@ -70,7 +76,7 @@ impl Truth {
         let mut scene = scene.clone();
         scene.trace.weight_cutoff = LEAST_WEIGHT;
         let renderer = match self {
-            Self::Full | Self::Ideal(_) => Renderer::Trace,
+            Self::Full | Self::Ideal(_) | Self::Own => Renderer::Trace,
             Self::Local | Self::Mesh(_) => Renderer::Cast,
         };
         let mut setting = Setting {
@@ -85,6 +91,9 @@ impl Truth {
         if let Self::Ideal(samples) = self {
             (setting.samples, setting.pattern) = (samples, Pattern::Jitter);
         }
+        if self == Self::Own {
+            (setting.samples, setting.pattern) = (scene.image.samples, scene.image.pattern);
+        }
         deepest(&scene, setting, isa)
     }
 }
@@ -94,8 +103,10 @@ fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, E
     loop {
         match Job::new(scene, &setting, isa).draw() {
             Ok(Drawn { color, object, .. }) => {
+                let curved = |o: &u32| scene.objects.get(*o as usize).is_some_and(is_curved);
                 return Ok(Reference {
                     color,
+                    curved: object.map(curved),
                     object,
                     depth: setting.depth,
                 });
@@ -104,27 +115,4 @@ fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, E
             Err(error) => return Err(error),
         }
     }
-}
-
-/// Pixels at silhouettes of a picture or of the truth: within 1 px of a change of object in either, or covered in one only.
-pub fn silhouette(picture: &Plane<u32>, truth: &Plane<u32>) -> Vec<bool> {
-    let (width, height) = (truth.width, truth.height);
-    let changes = |plane: &Plane<u32>, x: usize, y: usize| {
-        let here = plane.data[y * width + x];
-        let rows = y.saturating_sub(1)..(y + 2).min(height);
-        rows.into_iter().any(|row| {
-            let columns = x.saturating_sub(1)..(x + 2).min(width);
-            columns
-                .into_iter()
-                .any(|column| plane.data[row * width + column] != here)
-        })
-    };
-    (0..width * height)
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            covered(picture.data[i]) != covered(truth.data[i])
-                || changes(truth, x, y)
-                || changes(picture, x, y)
-        })
-        .collect()
 }
