@@ -8,6 +8,7 @@ mod commands;
 mod compare;
 mod diagnostic;
 mod lecture;
+mod live;
 #[cfg(feature = "opengl")]
 mod opengl;
 #[cfg(not(feature = "opengl"))]

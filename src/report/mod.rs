@@ -30,9 +30,8 @@ pub mod palette;
 pub mod peer;
 pub mod picture;
 pub mod prose;
-mod sections;
 pub mod summary;
 pub mod text;
 pub mod topic;
 
-pub use page::{NamedPlane, Report};
+pub use page::{Live, NamedPlane, Report};
