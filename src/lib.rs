@@ -7,6 +7,7 @@
 pub mod context;
 pub mod decompose;
 pub mod error;
+pub mod explain;
 pub mod frame;
 pub mod gl;
 pub mod import;

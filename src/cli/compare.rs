@@ -86,6 +86,7 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
             scene: &imported.scene,
             ladder: &ladder,
             views: &views,
+            options: &options,
         },
     };
     let settings = settings(args, &imported.scene, &quality);
@@ -275,16 +276,8 @@ impl Comparison<'_> {
 
 /// The command line as it could be typed again.
 pub(super) fn command_line() -> String {
-    let quote = |arg: String| {
-        let plain = |c: char| c.is_alphanumeric() || "-_./=,:+[]".contains(c);
-        if !arg.is_empty() && arg.chars().all(plain) {
-            arg
-        } else {
-            format!("'{arg}'")
-        }
-    };
     let mut words = vec!["rastray".to_owned()];
-    words.extend(std::env::args().skip(1).map(quote));
+    words.extend(std::env::args().skip(1).map(|word| live::quoted(&word)));
     words.join(" ")
 }
 

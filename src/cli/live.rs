@@ -1,15 +1,17 @@
 //! What `compare` gives its page beside pictures and numbers: packed layers, explained pixels, the line that explains one.
 //! And the layers of `layers.exr`, which are the same light.
 
-use rastray::decompose::{Ladder, Views};
+use rastray::decompose::{self, Ladder, Views};
 use rastray::error::Error;
+use rastray::explain::Precision;
 use rastray::frame::{LayerIndex, Layers, Plane};
 use rastray::report::files::View;
 use rastray::report::layered::NamedLayer;
-use rastray::report::page::live::{Explained, Input, Live};
+use rastray::report::page::live::{Input, Live};
 use rastray::scene::Scene;
 
-use super::args::CompareArgs;
+use super::args::{CompareArgs, PrecisionArg};
+use super::telling::explained;
 
 /// Where the page's moving part comes from.
 pub(super) struct Source<'a> {
@@ -17,12 +19,17 @@ pub(super) struct Source<'a> {
     pub(super) scene: &'a Scene,
     pub(super) ladder: &'a Ladder,
     pub(super) views: &'a Views,
+    pub(super) options: &'a decompose::Options,
 }
 
 impl Source<'_> {
     /// Packs it.
     pub(super) fn pack(&self, view: View) -> Result<Live, Error> {
-        let explained = self.explained()?;
+        let precision = match self.args.quality.precision {
+            PrecisionArg::F32 => Precision::F32,
+            PrecisionArg::F64 => Precision::F64,
+        };
+        let explained = explained(self.scene, self.ladder, self.options, precision)?;
         Live::new(&Input {
             ladder: self.ladder,
             views: self.views,
@@ -32,10 +39,6 @@ impl Source<'_> {
             explained: &explained,
             explain: &explain_line(self.args),
         })
-    }
-
-    fn explained(&self) -> Result<Vec<Explained>, Error> {
-        Ok(Vec::new())
     }
 }
 

@@ -20,6 +20,7 @@ mod render;
 mod series;
 mod sheet;
 mod show;
+mod telling;
 mod watch;
 
 use std::process::ExitCode;

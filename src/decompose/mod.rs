@@ -169,12 +169,14 @@ pub fn decompose<R: Real>(
         scene,
         options,
         progress,
+        pixel: None,
         rungs: Vec::new(),
         work: Vec::new(),
     };
-    let rasterized = climb.raster(&assembly)?;
-    let cast = climb.cast_on_triangles(&assembly)?;
-    let traced = climb.trace(&assembly)?;
+    let traced_plan = |geometry| trace::Plan::new(scene, &assembly, geometry, options.model);
+    let rasterized = climb.raster(&raster::Plan::new(scene, &assembly, options.model))?;
+    let cast = climb.cast_on_triangles(&traced_plan(trace::Geometry::Mesh)?)?;
+    let traced = climb.trace(&traced_plan(trace::Geometry::Exact)?)?;
     progress("agreement");
     let agreement = agreement::measure(scene, &assembly, options, rasterized.per_fragment, cast)?;
     let mut ladder = Ladder {
@@ -195,6 +197,45 @@ pub fn decompose<R: Real>(
     ladder.rungs = climb.rungs;
     ladder.residual_max = residual(&ladder);
     Ok(ladder)
+}
+
+/// The plans that the rungs are drawn with.
+pub struct Plans<'p, 'a, R> {
+    /// Rungs 0 to 3.
+    pub raster: &'p raster::Plan<'a, R>,
+    /// Rung 4: on the rasterizer's triangles.
+    pub mesh: &'p trace::Plan<'a, R>,
+    /// Rungs 5 to 9: on the true shapes.
+    pub exact: &'p trace::Plan<'a, R>,
+}
+
+/// The ten values of one pixel, as [`Ladder::rungs`] hold them, and whether one of them had to be limited.
+///
+/// # Errors
+/// A pixel outside the picture, and what the renderers refuse.
+pub fn rungs_at<R: Real>(
+    scene: &Scene,
+    options: &Options,
+    plans: &Plans<'_, '_, R>,
+    pixel: [u32; 2],
+) -> Result<([[f64; 3]; 10], bool), Error> {
+    let mut climb = Climb {
+        scene,
+        options,
+        progress: &|_| (),
+        pixel: Some(pixel),
+        rungs: Vec::new(),
+        work: Vec::new(),
+    };
+    climb.raster(plans.raster)?;
+    climb.cast_on_triangles(plans.mesh)?;
+    climb.trace(plans.exact)?;
+    let limited = limit(&mut climb.rungs) > 0;
+    let mut values = [[0.0; 3]; 10];
+    for (value, rung) in values.iter_mut().zip(&climb.rungs) {
+        *value = rung.data[0];
+    }
+    Ok((values, limited))
 }
 
 /// What must be said where the rasterizer blends.
@@ -227,14 +268,15 @@ struct Climb<'a> {
     scene: &'a Scene,
     options: &'a Options,
     progress: &'a (dyn Fn(&str) + Sync),
+    /// The one pixel to be drawn; `None` = the whole picture.
+    pixel: Option<[u32; 2]>,
     rungs: Vec<Plane<[f64; 3]>>,
     work: Vec<Work>,
 }
 
 impl Climb<'_> {
     /// Rungs 0 to 3.
-    fn raster<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Rasterized<R>, Error> {
-        let plan = raster::Plan::new(self.scene, assembly, self.options.model);
+    fn raster<R: Real>(&mut self, plan: &raster::Plan<'_, R>) -> Result<Rasterized<R>, Error> {
         let shading = self.scene.raster.shading;
         let options = |shading, clamp, layers| raster::Options {
             shading,
@@ -242,13 +284,12 @@ impl Climb<'_> {
             layers,
             isa: self.options.isa,
         };
-        let clamped = self.draw_raster(&plan, "0, 1", &options(shading, true, false))?;
+        let clamped = self.draw_raster(plan, "0, 1", &options(shading, true, false))?;
         self.rungs.push(stored(&clamped.color));
         self.rungs.push(values(&clamped.color));
-        let unclamped = self.draw_raster(&plan, "2", &options(shading, false, true))?;
+        let unclamped = self.draw_raster(plan, "2", &options(shading, false, true))?;
         self.rungs.push(values(&unclamped.color));
-        let per_fragment =
-            self.draw_raster(&plan, "3", &options(ShadeModel::Phong, false, true))?;
+        let per_fragment = self.draw_raster(plan, "3", &options(ShadeModel::Phong, false, true))?;
         self.rungs.push(values(&per_fragment.color));
         let layers = unclamped
             .layers
@@ -263,33 +304,21 @@ impl Climb<'_> {
     }
 
     /// Rung 4.
-    fn cast_on_triangles<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Frame<R>, Error> {
-        let plan = trace::Plan::new(
-            self.scene,
-            assembly,
-            trace::Geometry::Mesh,
-            self.options.model,
-        )?;
+    fn cast_on_triangles<R: Real>(&mut self, plan: &trace::Plan<'_, R>) -> Result<Frame<R>, Error> {
         let cast = trace::Options::cast(self.options.isa);
-        let frame = self.draw_trace(&plan, "4", &cast)?;
+        let frame = self.draw_trace(plan, "4", &cast)?;
         self.rungs.push(values(&frame.color));
         Ok(frame)
     }
 
     /// Rungs 5 to 9.
-    fn trace<R: Real>(&mut self, assembly: &Assembly<R>) -> Result<Traced, Error> {
-        let plan = trace::Plan::new(
-            self.scene,
-            assembly,
-            trace::Geometry::Exact,
-            self.options.model,
-        )?;
+    fn trace<R: Real>(&mut self, plan: &trace::Plan<'_, R>) -> Result<Traced, Error> {
         let asked = self.options;
         let cast = trace::Options {
             layers: true,
             ..trace::Options::cast(asked.isa)
         };
-        let local = self.draw_trace(&plan, "5", &cast)?;
+        let local = self.draw_trace(plan, "5", &cast)?;
         self.rungs.push(values(&local.color));
         let full = trace::Options::of(self.scene, asked.isa);
         let step = |reflection, refraction, layers| trace::Options {
@@ -299,11 +328,11 @@ impl Climb<'_> {
             layers,
             ..full
         };
-        let shadowed = self.draw_trace(&plan, "6", &step(false, false, false))?;
+        let shadowed = self.draw_trace(plan, "6", &step(false, false, false))?;
         self.rungs.push(values(&shadowed.color));
-        let reflected = self.draw_trace(&plan, "7", &step(true, false, false))?;
+        let reflected = self.draw_trace(plan, "7", &step(true, false, false))?;
         self.rungs.push(values(&reflected.color));
-        let complete = self.draw_trace(&plan, "8, 9", &step(true, true, true))?;
+        let complete = self.draw_trace(plan, "8, 9", &step(true, true, true))?;
         self.rungs.push(values(&complete.color));
         self.rungs.push(stored(&complete.color));
         let layers = |frame: &Frame<R>| {
@@ -327,6 +356,9 @@ impl Climb<'_> {
         options: &raster::Options,
     ) -> Result<Frame<R>, Error> {
         (self.progress)(&format!("rung {rungs}: rasterizer"));
+        if let Some(pixel) = self.pixel {
+            return plan.draw_pixel(options, pixel);
+        }
         let start = Instant::now();
         let (frame, counters) = plan.draw(options)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -346,6 +378,9 @@ impl Climb<'_> {
         options: &trace::Options,
     ) -> Result<Frame<R>, Error> {
         (self.progress)(&format!("rung {rungs}: tracer"));
+        if let Some(pixel) = self.pixel {
+            return plan.draw_pixel(options, pixel);
+        }
         let start = Instant::now();
         let (frame, counters) = draw_layers(plan, self.scene, options)?;
         let seconds = start.elapsed().as_secs_f64();

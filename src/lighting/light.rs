@@ -53,6 +53,8 @@ pub struct LightColors {
 pub struct DirectionalLight<R> {
     /// Colours, times the spot factor.
     pub colors: LightColors,
+    /// The spot factor that the colours hold; 1 without a cone.
+    pub spot: f64,
     /// Unit direction to the light (zero for a zero position), eye space.
     pub to_light: [R; 3],
 }
@@ -247,6 +249,7 @@ fn directional<R: Real>(
             diffuse: scale(colors.diffuse),
             specular: scale(colors.specular),
         },
+        spot,
         to_light: to_light.map(R::from_f64),
     }
 }
@@ -314,24 +317,31 @@ impl<R: Real> SpotLight<R> {
     pub fn illuminate<L: Lanes<Scalar = R>>(&self, position: &[L; 3]) -> Incident<L> {
         let zero = L::splat(R::ZERO);
         let mut incident = self.point.illuminate(position);
+        let spot = self.falloff(incident.to_light, position);
+        // 0 times infinity is 0: outside, and where the spot factor is 0, nothing arrives.
+        incident.factor = L::select(spot.gt(zero), incident.factor * spot, zero);
+        incident
+    }
+
+    /// The spot factor: 0 outside the cone.
+    #[inline(always)]
+    pub(super) fn falloff<L: Lanes<Scalar = R>>(&self, to_light: [L; 3], position: &[L; 3]) -> L {
+        let zero = L::splat(R::ZERO);
         let [x, y, z] = self.axis_eye;
         let axis = [L::splat(x), L::splat(y), L::splat(z)];
-        let q = -dot3(incident.to_light, axis);
+        let q = -dot3(to_light, axis);
         let inside = self.inside(q, position);
         let spot = match self.power {
             Power::Zero => L::splat(R::ONE),
             Power::One => q.max(zero),
             Power::Other(exponent) => {
-                let sin_squared = cross_squared(incident.to_light, axis);
+                let sin_squared = cross_squared(to_light, axis);
                 let log = ln_cosine(sin_squared, q * q);
                 let power = exp(L::splat(exponent) * log);
                 L::select(q.gt(zero), power, L::splat(zero_to(exponent)))
             }
         };
-        // 0 times infinity is 0: outside, and where the spot factor is 0, nothing arrives.
-        let inside = inside & spot.gt(zero);
-        incident.factor = L::select(inside, incident.factor * spot, zero);
-        incident
+        L::select(inside & spot.gt(zero), spot, zero)
     }
 
     /// The cone test: a filter with a margin of 16 units of roundoff (the cosine of two rounded unit vectors is off by

@@ -41,6 +41,7 @@
 //!
 //! Left out: texture (a factor on the material, the caller's), fog, clamping (a named step of the caller's).
 
+mod anatomy;
 mod batch;
 mod call;
 mod cone;
@@ -52,6 +53,7 @@ mod vector;
 
 use std::ops::AddAssign;
 
+pub use anatomy::Anatomy;
 pub use batch::{Batch, Batches, surface};
 pub use cone::Cone;
 pub use light::{DirectionalLight, Incident, Light, LightColors, PointLight, Power, SpotLight};
@@ -144,6 +146,18 @@ impl<R: Real> Points<R> {
             self.position[axis].push(position[axis]);
             self.normal[axis].push(normal[axis]);
             self.to_viewer[axis].push(to_viewer[axis]);
+        }
+    }
+    /// A list of one point of this list.
+    pub fn one(&self, point: usize) -> Self {
+        let part = |list: &Vec<R>| list.get(point).copied().into_iter().collect();
+        let parts = |lists: &[Vec<R>; 3]| [part(&lists[0]), part(&lists[1]), part(&lists[2])];
+        Self {
+            position: parts(&self.position),
+            normal: parts(&self.normal),
+            normal_length: part(&self.normal_length),
+            to_viewer: parts(&self.to_viewer),
+            color: parts(&self.color),
         }
     }
     /// Adds the vertex colour of the last point: either all points of a list have one, or none.

@@ -196,9 +196,8 @@ fn half_vector<L: Lanes>(
     match power {
         Power::Zero => one,
         Power::One => {
-            let n_dot_half = dot3(normal, half);
-            let cosine = n_dot_half * normal_length / dot3(half, half).sqrt();
-            L::select(n_dot_half.gt(zero), cosine, zero)
+            let cosine = n_dot_h(normal, normal_length, half);
+            L::select(dot3(normal, half).gt(zero), cosine, zero)
         }
         Power::Other(exponent) => {
             let n_dot_half = dot3(normal, half);
@@ -210,6 +209,23 @@ fn half_vector<L: Lanes>(
             L::select(n_dot_half.gt(zero), value, L::splat(zero_to(exponent)))
         }
     }
+}
+
+/// n.h for h = `half` made unit length; not a number where it is zero.
+#[inline(always)]
+pub(super) fn n_dot_h<L: Lanes>(normal: [L; 3], normal_length: L, half: [L; 3]) -> L {
+    dot3(normal, half) * normal_length / dot3(half, half).sqrt()
+}
+
+/// R = 2(N.L)N - L.
+#[inline(always)]
+pub(super) fn mirrored<L: Lanes>(normal: [L; 3], n_dot_l: L, to_light: [L; 3]) -> [L; 3] {
+    let twice = n_dot_l + n_dot_l;
+    [
+        twice.mul_add(normal[0], -to_light[0]),
+        twice.mul_add(normal[1], -to_light[1]),
+        twice.mul_add(normal[2], -to_light[2]),
+    ]
 }
 
 /// ln of the length that a normal enters with: nothing to compute where all are 1.
@@ -232,12 +248,7 @@ fn reflection<L: Lanes>(
     to_viewer: [L; 3],
 ) -> L {
     let (zero, one) = (L::splat(L::Scalar::ZERO), L::splat(L::Scalar::ONE));
-    let twice = n_dot_l + n_dot_l;
-    let reflected = [
-        twice.mul_add(normal[0], -to_light[0]),
-        twice.mul_add(normal[1], -to_light[1]),
-        twice.mul_add(normal[2], -to_light[2]),
-    ];
+    let reflected = mirrored(normal, n_dot_l, to_light);
     let v_dot_r = dot3(to_viewer, reflected);
     match power {
         Power::Zero => one,

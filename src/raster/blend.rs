@@ -111,6 +111,15 @@ impl<R: Real> Workspace<R> {
     fn light_and_blend(&mut self, pass: &Pass<'_, '_, R>, counters: &mut Counters) {
         self.light(pass, counters);
         let (mode, lit, shown) = (pass.mode, &self.lit, &mut self.shown);
+        if let Some(record) = &mut self.record {
+            record.show(
+                pass.plan,
+                mode.shading,
+                &self.fragments,
+                &self.front.alpha,
+                lit,
+            );
+        }
         for (fragment, alpha) in self.fragments.iter().zip(&self.front.alpha) {
             let at = usize::from(fragment.at);
             shown.color[at] = over(*alpha, fragment.color(mode, lit), shown.color[at]);

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::lit::Mode;
+use super::record::Record;
 use super::records::{TILE, TileArea};
 use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
@@ -70,6 +71,32 @@ type Band<'f, R> = Part<&'f mut [[R; 3]], &'f mut [R], &'f mut [u32]>;
 
 /// The rows of a tile, one slice each.
 type Rows<'f, R> = Part<Vec<&'f mut [[R; 3]]>, Vec<&'f mut [R]>, Vec<&'f mut [u32]>>;
+
+/// A frame cut into rows of tiles.
+fn bands<R: Real>(frame: &mut Frame<R>) -> Vec<Band<'_, R>> {
+    let rows = TILE * frame.color.width;
+    let mut bands: Vec<Band<'_, R>> = frame
+        .color
+        .data
+        .chunks_mut(rows)
+        .zip(frame.depth.data.chunks_mut(rows))
+        .zip(frame.primitive.data.chunks_mut(rows))
+        .zip(frame.object.data.chunks_mut(rows))
+        .map(|(((color, depth), primitive), object)| Part {
+            color,
+            depth,
+            primitive,
+            object,
+            layers: Vec::new(),
+        })
+        .collect();
+    for plane in frame.layers.iter_mut().flat_map(|l| &mut l.planes) {
+        for (band, part) in bands.iter_mut().zip(plane.data.chunks_mut(rows)) {
+            band.layers.push(part);
+        }
+    }
+    bands
+}
 
 /// The rows of a band cut into the rows of its tiles.
 fn cut<'f, R>(band: Band<'f, R>, width: usize) -> Vec<Rows<'f, R>> {
@@ -178,48 +205,63 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
 
     /// Draws all tiles into the frame.
     pub(super) fn bands(&self, frame: &mut Frame<R>) -> Counters {
-        let rows = TILE * self.plan.grid.size[0];
-        let mut bands: Vec<Band<'_, R>> = frame
-            .color
-            .data
-            .chunks_mut(rows)
-            .zip(frame.depth.data.chunks_mut(rows))
-            .zip(frame.primitive.data.chunks_mut(rows))
-            .zip(frame.object.data.chunks_mut(rows))
-            .map(|(((color, depth), primitive), object)| Part {
-                color,
-                depth,
-                primitive,
-                object,
-                layers: Vec::new(),
-            })
-            .collect();
-        for plane in frame.layers.iter_mut().flat_map(|l| &mut l.planes) {
-            for (band, part) in bands.iter_mut().zip(plane.data.chunks_mut(rows)) {
-                band.layers.push(part);
-            }
-        }
         let (columns, width) = (self.plan.grid.columns(), self.plan.grid.size[0]);
-        let worker = || Worker {
-            workspace: Workspace::new(self.mode, self.plan.scene.materials.len()),
-            sums: Sums::default(),
-            places: Places::default(),
-        };
-        let tiles = bands.into_par_iter().enumerate().flat_map(|(row, band)| {
+        let tiles = bands(frame).into_par_iter().enumerate();
+        let tiles = tiles.flat_map(|(row, band)| {
             let tiles = cut(band, width).into_par_iter().enumerate();
             tiles.map(move |(column, rows)| (row * columns + column, rows))
         });
-        let counters = tiles.map_init(worker, |worker, (index, rows)| {
-            self.tile(worker, index, rows)
-        });
+        let counters = tiles.map_init(
+            || self.worker(),
+            |worker, (index, rows)| {
+                let area = self.plan.grid.tile(index);
+                self.tile(worker, index, &area, rows)
+            },
+        );
         // Integers: their sum does not depend on the order.
         counters.reduce(Counters::default, |a, b| a.plus(&b))
     }
 
-    /// Draws the samples of one tile.
-    fn tile(&self, worker: &mut Worker<R>, index: usize, rows: Rows<'_, R>) -> Counters {
+    /// Draws one pixel of the picture into a frame of that size; `record` listens.
+    pub(super) fn pixel(
+        &self,
+        [x, y]: [u32; 2],
+        frame: &mut Frame<R>,
+        record: Option<Box<Record<R>>>,
+    ) -> Option<Box<Record<R>>> {
+        let grid = &self.plan.grid;
+        let corner = [x as usize, y as usize];
+        let index = corner[1] / TILE * grid.columns() + corner[0] / TILE;
+        let area = TileArea {
+            corner,
+            place: [0, 1].map(|axis| grid.origin[axis] + corner[axis] as i64),
+            size: [1, 1],
+        };
+        let mut worker = self.worker();
+        worker.workspace.record = record;
+        for rows in bands(frame).into_iter().flat_map(|band| cut(band, 1)) {
+            self.tile(&mut worker, index, &area, rows);
+        }
+        worker.workspace.record
+    }
+
+    fn worker(&self) -> Worker<R> {
+        Worker {
+            workspace: Workspace::new(self.mode, self.plan.scene.materials.len()),
+            sums: Sums::default(),
+            places: Places::default(),
+        }
+    }
+
+    /// Draws the samples of an area of one tile.
+    fn tile(
+        &self,
+        worker: &mut Worker<R>,
+        index: usize,
+        area: &TileArea,
+        rows: Rows<'_, R>,
+    ) -> Counters {
         let plan = self.plan;
-        let area = plan.grid.tile(index);
         let mut counters = Counters::default();
         let Worker {
             workspace,
@@ -230,7 +272,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
         let blends = plan.blends();
         workspace.start_tile();
         for sample in 0..count {
-            let samples = self.samples(places, &area, sample);
+            let samples = self.samples(places, area, sample);
             workspace.visibility.clear();
             for chunk in plan.chunks.iter().filter(|c| c.meets_tile(index)) {
                 for triangle in chunk.of_tile(index) {
@@ -239,20 +281,23 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
                     }
                     let (bits, counters) = (plan.view.bits, &mut counters);
                     let visibility = &mut workspace.visibility;
-                    visibility.draw(&area, &samples, bits, triangle, counters);
+                    visibility.draw(area, &samples, bits, triangle, counters);
                 }
             }
             let pass = Pass {
                 plan,
                 mode: self.mode,
                 options: self.options,
-                area: &area,
+                area,
                 samples: &samples,
                 first: sample == 0,
             };
             workspace.sample(&pass, &mut counters);
             if blends {
                 workspace.blend(&pass, index, &mut counters);
+            }
+            if let Some(record) = &mut workspace.record {
+                record.end_sample(workspace.shown.color[0]);
             }
             if count > 1 {
                 sums.add(&workspace.shown, sample == 0);

@@ -34,6 +34,7 @@ mod edges;
 mod jumps;
 mod lit;
 mod outline;
+pub mod record;
 mod records;
 mod setup;
 mod shade;
@@ -60,6 +61,7 @@ use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{self, Feature, Model, Requirements};
 use draw::Drawer;
 use lit::Mode;
+use record::Record;
 use records::{Chunk, SampleBox, TileGrid};
 use setup::{Builder, DepthOrder};
 use view::{Vertex, View};
@@ -200,14 +202,72 @@ impl<'a, R: Real> Plan<'a, R> {
         if (frame.color.width, frame.color.height) != (width, height) {
             *frame = Frame::empty(width, height);
         }
-        frame.layers = options.layers.then(|| {
-            let names = self.scene.light_names();
-            Layers::zero(&names, width, height, mode.signed)
-        });
+        frame.layers = self.layers(options, &mode, [width, height]);
         let drawn = Drawer::new(self, &mode, options).bands(frame);
         debug_assert!(!frame.has_nan(), "no NaN leaves the rasterizer");
         let counters = self.chunks.iter().map(|chunk| &chunk.counters);
         Ok(counters.fold(drawn, |sum, c| sum.plus(c)))
+    }
+
+    /// One pixel of [`Plan::draw`]: a picture of that pixel alone, the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a pixel outside the picture, and as [`Plan::draw`].
+    pub fn draw_pixel(&self, options: &Options, pixel: [u32; 2]) -> Result<Frame<R>, Error> {
+        Ok(self.pixel(options, pixel, None)?.0)
+    }
+
+    /// What happens on the way to a pixel of [`Plan::draw`]: the colours of its samples, and what sample `keep` shows.
+    ///
+    /// # Errors
+    /// As [`Plan::draw_pixel`].
+    pub fn record_pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        keep: u32,
+    ) -> Result<Record<R>, Error> {
+        // Single terms are kept only for layers.
+        let options = Options {
+            layers: true,
+            ..*options
+        };
+        let record = Some(Box::new(Record::new(keep)));
+        let (_, record) = self.pixel(&options, pixel, record)?;
+        Ok(record.map(|record| *record).unwrap_or_default())
+    }
+
+    fn pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        record: Option<Box<Record<R>>>,
+    ) -> Result<(Frame<R>, Option<Box<Record<R>>>), Error> {
+        check_image(self.scene)?;
+        let pixel = self.scene.image.check_pixel(pixel)?;
+        let mode = Mode::new(self, options);
+        let mut frame = Frame::empty(1, 1);
+        frame.layers = self.layers(options, &mode, [1, 1]);
+        let record = Drawer::new(self, &mode, options).pixel(pixel, &mut frame, record);
+        Ok((frame, record))
+    }
+
+    /// Layers of +0, where they are asked for.
+    fn layers(
+        &self,
+        options: &Options,
+        mode: &Mode,
+        [width, height]: [usize; 2],
+    ) -> Option<Layers<R>> {
+        options.layers.then(|| {
+            let names = self.scene.light_names();
+            Layers::zero(&names, width, height, mode.signed)
+        })
+    }
+
+    /// The lights of the equation, resolved.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
     }
 
     /// The corners of a primitive.
@@ -231,7 +291,7 @@ impl<'a, R: Real> Plan<'a, R> {
     }
 
     /// The material of a surface number.
-    fn material(&self, surface: usize) -> &gl::Material {
+    pub fn material(&self, surface: usize) -> &gl::Material {
         let material = &self.scene.materials[surface / 2];
         match &material.back {
             Some(back) if surface % 2 == 1 => back,

@@ -13,6 +13,7 @@
 use super::attribute::{Weights, mix, mix_colors, mix3};
 use super::blend::Front;
 use super::lit::{Lit, Mode, Output};
+use super::record::Record;
 use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
@@ -31,8 +32,8 @@ pub(super) struct Fragment {
     /// Place in the tile, row-major with stride [`TILE`].
     pub(super) at: u16,
     /// Numbers of its lit points: three vertices (Gouraud), or one point three times.
-    points: [u32; 3],
-    weights: [f64; 3],
+    pub(super) points: [u32; 3],
+    pub(super) weights: [f64; 3],
 }
 
 /// What one sample of each pixel of a tile shows, row-major with stride [`TILE`].
@@ -106,6 +107,8 @@ pub(super) struct Workspace<R> {
     pub(super) lit: Lit<R>,
     /// What blending needs.
     pub(super) front: Front,
+    /// Who listens, if anybody does: then the tile is one pixel.
+    pub(super) record: Option<Box<Record<R>>>,
     slots: SlotMap,
     batches: Batches<R>,
     output: Output<R>,
@@ -120,6 +123,7 @@ impl<R: Real> Workspace<R> {
             fragments: Vec::new(),
             lit: Lit::default(),
             front: Front::new(),
+            record: None,
             slots: SlotMap::new(),
             output: Output::default(),
             batches: Batches::new(materials),
@@ -140,6 +144,15 @@ impl<R: Real> Workspace<R> {
         }
         self.show_background(pass);
         self.show_colors(pass.mode);
+        if let Some(record) = &mut self.record {
+            record.show(
+                pass.plan,
+                pass.mode.shading,
+                &self.fragments,
+                &[],
+                &self.lit,
+            );
+        }
     }
 
     /// Lists the visible samples, and the points to be lit for them.
@@ -196,6 +209,9 @@ impl<R: Real> Workspace<R> {
         let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
         let surface = surface(material, back);
+        if let Some(record) = &mut self.record {
+            record.meet(primitive, surface);
+        }
         let points = match mode.shading {
             ShadeModel::Phong => [0; 3],
             // The provoking vertex is the last (GL 2.1 section 2.14.7).
@@ -276,6 +292,9 @@ impl<R: Real> Workspace<R> {
         self.lit.resize(mode, count);
         for batch in self.batches.iter() {
             self.lit.light(pass, batch, &mut self.output);
+            if let Some(record) = &mut self.record {
+                record.lit(batch, &self.lit);
+            }
             let points = batch.points.len() as u64;
             counters.points_shaded += points;
             if per_vertex {

@@ -25,6 +25,7 @@ pub use optics::{Fresnel, Optics};
 pub use profile::{Curve, Profile};
 pub use shape::{Mesh, Shape};
 
+use crate::error::Error;
 use crate::gl;
 use crate::math::color::Rgb;
 use crate::math::{DAffine3, DMat3, DVec3, DVec4};
@@ -55,6 +56,25 @@ impl Default for ImageSettings {
             samples: 1,
             pattern,
         }
+    }
+}
+
+impl ImageSettings {
+    /// Refuses a pixel outside the picture.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] with the range.
+    pub fn check_pixel(&self, [x, y]: [u32; 2]) -> Result<[u32; 2], Error> {
+        let (width, height) = (self.width, self.height);
+        if x < width && y < height {
+            return Ok([x, y]);
+        }
+        let message = format!(
+            "{x} {y} lies outside the picture of {width}x{height}: expected X from 0 to {} and Y from 0 to {}",
+            width.saturating_sub(1),
+            height.saturating_sub(1)
+        );
+        Err(Error::parameter("pixel", message).with_help("0 0 is the top left pixel"))
     }
 }
 

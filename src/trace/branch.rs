@@ -60,18 +60,33 @@ pub(super) struct Fork<'s> {
 }
 
 /// What becomes of K_T at a surface.
-struct Passage {
+pub(super) struct Passage {
+    /// Index of refraction before and behind the surface.
+    pub(super) eta: [f64; 2],
     /// The part of K_T that the mirror ray takes.
-    reflected: f64,
+    pub(super) reflected: f64,
     /// Where the rest goes, its part of K_T, and the media behind; `None` at total internal reflection.
-    beyond: Option<(DVec3, f64, MediaId)>,
+    pub(super) beyond: Option<(DVec3, f64, MediaId)>,
+}
+
+/// The secondary rays of a hit, and how they came about.
+pub(super) struct Forked {
+    /// The reflected ray, where it exists and weighs something.
+    pub(super) reflection: Option<Path>,
+    /// The refracted ray, where it exists and weighs something.
+    pub(super) refraction: Option<Path>,
+    /// What the mirror ray is weighted with here.
+    pub(super) mirror: Rgb,
+    /// What became of K_T; `None` where nothing transmits.
+    pub(super) passage: Option<Passage>,
 }
 
 impl Fork<'_> {
     /// The reflected and the refracted ray, where they exist and weigh something.
-    pub(super) fn branches(&self, media: &mut Media) -> [Option<Path>; 2] {
+    pub(super) fn branches(&self, media: &mut Media) -> Forked {
         let mut mirror = self.optics.reflection;
         let mut refraction = None;
+        let mut passed = None;
         if self.optics.is_transmissive() {
             let passage = self.transmit(media);
             let k_t = self.optics.transmission;
@@ -82,11 +97,17 @@ impl Fork<'_> {
             refraction = beyond.and_then(|(direction, part, media)| {
                 self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
             });
+            passed = Some(passage);
         }
         let reflection = (self.wanted[0] && mirror != [0.0; 3])
             .then(|| self.mirror_direction())
             .and_then(|d| self.child(d, mirror, Branch::Reflection, self.path.media));
-        [reflection, refraction]
+        Forked {
+            reflection,
+            refraction,
+            mirror,
+            passage: passed,
+        }
     }
 
     fn child(&self, direction: DVec3, k: Rgb, branch: Branch, media: MediaId) -> Option<Path> {
@@ -138,17 +159,18 @@ impl Fork<'_> {
 
     fn transmit(&self, media: &mut Media) -> Passage {
         let d = self.path.ray.direction;
-        let straight = |media| Passage {
+        let straight = |media, ior| Passage {
+            eta: [ior; 2],
             reflected: 0.0,
             beyond: Some((unit(d), 1.0, media)),
         };
         if self.optics.thin {
-            return straight(self.path.media);
+            return straight(self.path.media, media.ior(self.path.media));
         }
         let crossing = media.cross(self.path.media, self.object, self.optics.ior);
         let (eta_i, eta_t) = (crossing.eta_i, crossing.eta_t);
         if eta_i == eta_t {
-            return straight(crossing.media);
+            return straight(crossing.media, eta_t);
         }
         let model = self.optics.fresnel;
         let mut normal = self.normal();
@@ -164,6 +186,7 @@ impl Fork<'_> {
                 let cos_i = unit(d).dot(normal).abs().min(1.0);
                 let f = fresnel(model, cos_i, cosine, eta_i, eta_t);
                 Passage {
+                    eta: [eta_i, eta_t],
                     reflected: f,
                     beyond: Some((direction, 1.0 - f, crossing.media)),
                 }
@@ -171,6 +194,7 @@ impl Fork<'_> {
             Transmission::Total => {
                 let all = self.settings.tir == Tir::Reflect || model != Fresnel::Off;
                 Passage {
+                    eta: [eta_i, eta_t],
                     reflected: if all { 1.0 } else { 0.0 },
                     beyond: None,
                 }

@@ -47,6 +47,11 @@ impl Media {
         }
     }
 
+    /// Index of refraction in a list of media.
+    pub(super) fn ior(&self, media: MediaId) -> f64 {
+        index(&self.lists[media as usize])
+    }
+
     /// Crosses the surface of an object whose inside has the index `ior`.
     pub(super) fn cross(&mut self, from: MediaId, object: u32, ior: f64) -> Crossing {
         let before = &self.lists[from as usize];

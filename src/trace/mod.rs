@@ -16,6 +16,7 @@
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
+//! | `record` | what happened on the way to one pixel, for whoever explains it |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -49,6 +50,7 @@ mod media;
 pub mod optics;
 pub mod planar;
 pub mod ray;
+pub mod record;
 pub mod revolution;
 mod shadow;
 mod solid;
@@ -65,6 +67,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use shadow::Lamp;
 pub use surface::Surfaces;
 
 use crate::error::Error;
@@ -76,7 +79,9 @@ use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
-use shadow::{Lamp, lamps};
+use ray::Ray;
+use record::Record;
+use shadow::lamps;
 use tile::{Area, TileFrame};
 
 /// The most secondary rays that one sample of a pixel may cast.
@@ -324,8 +329,64 @@ impl<'a, R: Real> Plan<'a, R> {
         Ok((frame, counters))
     }
 
+    /// One pixel of [`Self::draw`]: a picture of that pixel alone, the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a pixel outside the picture, and as [`Self::draw`].
+    pub fn draw_pixel(&self, options: &Options, pixel: [u32; 2]) -> Result<Frame<R>, Error> {
+        let [x, y] = self.scene.image.check_pixel(pixel)?;
+        let area = Area {
+            x,
+            y,
+            width: 1,
+            height: 1,
+        };
+        let mut tile = tile::draw(self, options, area, false)?;
+        let mut frame = Frame::empty(1, 1);
+        if options.layers {
+            frame.layers = Some(Layers::zero(&self.scene.light_names(), 1, 1, self.signed));
+        }
+        (tile.area.x, tile.area.y) = (0, 0);
+        place(&mut frame, &tile);
+        Ok(frame)
+    }
+
+    /// What happens on the way to a pixel of [`Self::draw`]: the colours of its samples, and the rays of sample `keep`.
+    ///
+    /// # Errors
+    /// As [`Self::draw_pixel`].
+    pub fn record_pixel(
+        &self,
+        options: &Options,
+        pixel: [u32; 2],
+        keep: u32,
+    ) -> Result<Record<R>, Error> {
+        let pixel = self.scene.image.check_pixel(pixel)?;
+        let (_, record) = tile::record(self, options, pixel, None, Record::new(keep))?;
+        Ok(record)
+    }
+
+    /// What happens to a ray in world space: seen along itself, one sample, near and far left out.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it casts too many secondary rays.
+    pub fn record_ray(&self, options: &Options, ray: &Ray) -> Result<Record<R>, Error> {
+        let (_, record) = tile::record(self, options, [0; 2], Some(*ray), Record::new(0))?;
+        Ok(record)
+    }
+
+    /// Where the enabled lights are.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// The lights of the equation, resolved.
+    pub fn rig(&self) -> &Rig<R> {
+        &self.rig
+    }
+
     /// GL material of a surface number (`lighting::surface`).
-    fn material(&self, surface: usize) -> &gl::Material {
+    pub fn material(&self, surface: usize) -> &gl::Material {
         let material = &self.scene.materials[surface / 2];
         match &material.back {
             Some(back) if surface % 2 == 1 => back,

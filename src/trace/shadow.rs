@@ -8,7 +8,8 @@
 
 use super::Counters;
 use super::bvh::Walker;
-use super::ray::{Foot, Ray};
+use super::ray::{Foot, Hit, Ray};
+use super::record::{Record, ShadowRecord};
 use super::surface::{Site, Surfaces};
 use crate::gl;
 use crate::lanes::Real;
@@ -18,7 +19,7 @@ use crate::scene::{LightSpace, Scene, Shadow};
 
 /// Where a light is, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Lamp {
+pub enum Lamp {
     /// At a point.
     Point(DVec3),
     /// Infinitely far in a direction (towards the light).
@@ -74,6 +75,8 @@ pub(super) struct Shadows<'s, 'a, R> {
     pub(super) tags: &'s [u32],
     pub(super) walker: &'s mut Walker,
     pub(super) counters: &'s mut Counters,
+    /// Who listens, if anybody does.
+    pub(super) record: Option<&'s mut Record<R>>,
 }
 
 impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
@@ -88,6 +91,10 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
             let ray = shadow_ray(&site.foot, site.skip, self.lamps[light]);
             self.counters.rays.shadow += 1;
             let lit = self.light_through(&ray);
+            if let Some(record) = self.record.as_deref_mut() {
+                let crossed = crossed(self.surfaces, self.scene, &ray, lit);
+                record.shadow(tag, light, ShadowRecord { ray, lit, crossed });
+            }
             for (channel, s) in out.iter_mut().zip(lit) {
                 channel[i] = R::from_f64(s);
             }
@@ -117,6 +124,31 @@ impl<R: Real> Shadows<'_, '_, R> {
                 })
             })
     }
+}
+
+/// What took light from a shadow ray: the nearest blocker, or every filter that it crosses up to the first that blocks.
+fn crossed<R: Real>(
+    surfaces: &Surfaces<'_, R>,
+    scene: &Scene,
+    ray: &Ray,
+    lit: [f64; 3],
+) -> Vec<(u32, f64)> {
+    let name = |hit: &Hit| (surfaces.object(hit), hit.t);
+    let mut walker = Walker::default();
+    if scene.trace.shadow == Shadow::Opaque {
+        let nearest = surfaces.closest_hit(ray, &mut walker);
+        return nearest.iter().map(name).collect();
+    }
+    let all = surfaces.crossings(ray, &mut walker, |_| true);
+    let mut found = Vec::new();
+    for hit in all.unwrap_or_default() {
+        found.push(name(&hit));
+        let material = &scene.materials[surfaces.material(ray, &hit) as usize];
+        if lit == [0.0; 3] && !material.optics.is_transmissive() {
+            break;
+        }
+    }
+    found
 }
 
 /// Whether S_L of this light can matter to this material.

@@ -92,7 +92,7 @@ impl<R: Real> Sums<R> {
     }
 
     /// The colour of a pixel's sample, and the bounced layers as they count in it.
-    fn color(&self, pixel: usize) -> ([R; 3], [[R; 3]; 2]) {
+    pub(super) fn color(&self, pixel: usize) -> ([R; 3], [[R; 3]; 2]) {
         let bounced = [0, 1].map(|k| self.bounced[k][pixel].map(R::from_f64));
         let color = if self.recording() {
             let local = self.terms.iter().map(|term| term[pixel]);

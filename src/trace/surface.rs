@@ -44,6 +44,8 @@ pub struct Surfaces<'a, R> {
 /// What the tracer knows of a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Site<R> {
+    /// Parameter of the ray that arrived.
+    pub t: f64,
     /// The point, its geometric normal, and the bound of its error; world space.
     pub foot: Foot,
     /// The point in eye space.
@@ -342,6 +344,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             }
         };
         Site {
+            t: hit.t,
             foot,
             position_eye: eye.to_array().map(R::from_f64),
             normal_eye: unit(self.rotation * foot.normal).to_array(),
@@ -381,6 +384,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             [0, 1, 2].map(|k| (1.0 - u - v) * x[0][k] + u * x[1][k] + v * x[2][k])
         };
         Site {
+            t: hit.t,
             foot,
             position_eye: blend(eye).map(R::from_f64),
             normal_eye: unit(DVec3::from_array(blend(normals))).to_array(),

@@ -10,6 +10,7 @@ use super::bvh::Walker;
 use super::exact::unit;
 use super::media::{AIR, Media};
 use super::ray::{NO_ITEM, Ray};
+use super::record::Record;
 use super::shadow::Shadows;
 use super::sums::{Keep, Mean, Sums};
 use super::surface::Site;
@@ -67,6 +68,10 @@ pub(super) struct Tile<'p, 'a, R> {
     sums: Sums<R>,
     /// Primary rays of the sample at hand, eye space.
     eye_rays: Vec<(DVec3, DVec3)>,
+    /// A ray of the caller's in place of the primary rays.
+    start: Option<Ray>,
+    /// Who listens, if anybody does: then the tile is one pixel.
+    record: Option<Box<Record<R>>>,
     out: TileFrame<R>,
 }
 
@@ -83,16 +88,35 @@ pub(super) fn draw<R: Real>(
         (true, true) => Keep::Split,
     };
     let mut tile = Tile::new(plan, options, area, keep);
-    let samples = plan.scene.image.samples.max(1);
-    let mut mean = Mean::new(&tile.out, samples);
-    for index in 0..samples {
-        tile.sample(index)?;
-        mean.add(&tile.sums, &mut tile.out);
-    }
-    mean.finish(&mut tile.out, tile.signed);
-    tile.counters.add_work(&tile.walker.work);
-    tile.out.counters = tile.counters;
+    tile.draw()?;
     Ok(tile.out)
+}
+
+/// Traces one pixel, or the one sample of a ray of the caller's, and writes down what happens.
+pub(super) fn record<R: Real>(
+    plan: &Plan<'_, R>,
+    options: &Options,
+    [x, y]: [u32; 2],
+    start: Option<Ray>,
+    record: Record<R>,
+) -> Result<(TileFrame<R>, Record<R>), Error> {
+    // Single terms are kept only for layers.
+    let options = Options {
+        layers: true,
+        ..*options
+    };
+    let area = Area {
+        x,
+        y,
+        width: 1,
+        height: 1,
+    };
+    let mut tile = Tile::new(plan, &options, area, Keep::Layers);
+    tile.start = start;
+    tile.record = Some(Box::new(record));
+    tile.draw()?;
+    let record = tile.record.map(|record| *record).unwrap_or_default();
+    Ok((tile.out, record))
 }
 
 impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
@@ -125,6 +149,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             counters: Counters::default(),
             sums: Sums::new(pixels, index, keep, signed),
             eye_rays: Vec::new(),
+            start: None,
+            record: None,
             out: TileFrame {
                 area,
                 color: black(),
@@ -136,6 +162,26 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 counters: Counters::default(),
             },
         }
+    }
+
+    /// Traces every sample of every pixel into `out`.
+    fn draw(&mut self) -> Result<(), Error> {
+        let samples = match self.start {
+            Some(_) => 1,
+            None => self.plan.scene.image.samples.max(1),
+        };
+        let mut mean = Mean::new(&self.out, samples);
+        for index in 0..samples {
+            self.sample(index)?;
+            mean.add(&self.sums, &mut self.out);
+            if let Some(record) = &mut self.record {
+                record.end_sample(self.sums.color(0));
+            }
+        }
+        mean.finish(&mut self.out, self.signed);
+        self.counters.add_work(&self.walker.work);
+        self.out.counters = self.counters;
+        Ok(())
     }
 
     /// Traces one sample of every pixel into `sums`.
@@ -154,10 +200,19 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     fn primary_paths(&mut self, index: u32) -> Vec<Path> {
+        self.eye_rays.clear();
+        if let Some(ray) = self.start {
+            return vec![Path {
+                ray,
+                weight: [1.0; 3],
+                pixel: 0,
+                branch: Branch::Primary,
+                media: AIR,
+            }];
+        }
         let image = &self.plan.scene.image;
         let camera = &self.plan.scene.camera;
         let world_from_eye = self.rotation.transpose();
-        self.eye_rays.clear();
         let mut paths = Vec::new();
         for pixel in 0..self.area.width * self.area.height {
             let place = self.sample_place(pixel, index);
@@ -206,6 +261,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             let site = self.meet(i as u32, path, index);
             sites.push(site);
         }
+        if let Some(record) = &mut self.record {
+            record.wave(paths, &sites, &self.media);
+        }
         if generation == 0 {
             self.add_local(paths, &sites);
         } else {
@@ -216,9 +274,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             return Ok(Vec::new());
         }
         let mut next = Vec::new();
-        for (path, site) in paths.iter().zip(&sites) {
+        for (i, (path, site)) in paths.iter().zip(&sites).enumerate() {
             if let Some(site) = site {
-                self.fork(path, site, &mut next)?;
+                self.fork(i as u32, path, site, &mut next)?;
             }
         }
         Ok(next)
@@ -229,7 +287,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let surfaces = &self.plan.surfaces;
         let hit = surfaces.closest_hit(&path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
-        let eye_ray = primary.then(|| self.eye_rays[path.pixel as usize]);
+        let eye_ray = self.eye_rays.get(path.pixel as usize).copied();
+        let eye_ray = eye_ray.filter(|_| primary);
         let site = surfaces.site(&path.ray, &hit, eye_ray);
         if primary && index == 0 {
             let pixel = path.pixel as usize;
@@ -256,6 +315,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         let normal = if flip { -front } else { front };
         // A viewer at infinity is GL's for the picture; a secondary ray is looked back along.
         let viewer = match path.branch {
+            Branch::Primary if self.start.is_some() => unit(-arriving),
             Branch::Primary if !model.local_viewer => DVec3::Z,
             Branch::Primary => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
             _ => unit(-arriving),
@@ -360,6 +420,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             tags: &batch.tags,
             walker: &mut self.walker,
             counters: &mut self.counters,
+            record: self.record.as_deref_mut(),
         };
         let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
         let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
@@ -380,6 +441,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.signed,
             sink,
         );
+        if let Some(listener) = &mut self.record {
+            listener.shaded(batch, &terms);
+        }
         if record { terms } else { vec![sum] }
     }
 
@@ -393,7 +457,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     /// Adds the secondary rays of a hit to the next wave.
-    fn fork(&mut self, path: &Path, site: &Site<R>, next: &mut Vec<Path>) -> Result<(), Error> {
+    fn fork(
+        &mut self,
+        tag: u32,
+        path: &Path,
+        site: &Site<R>,
+        next: &mut Vec<Path>,
+    ) -> Result<(), Error> {
         let optics = &self.plan.scene.materials[site.material as usize].optics;
         if !optics.is_mirror() && !optics.is_transmissive() {
             return Ok(());
@@ -408,7 +478,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
         };
-        let [reflection, refraction] = fork.branches(&mut self.media);
+        let forked = fork.branches(&mut self.media);
+        if let Some(record) = &mut self.record {
+            record.fork(tag, &forked, optics.transmission);
+        }
+        let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());
         self.counters.rays.refraction += u64::from(refraction.is_some());
         let before = next.len();

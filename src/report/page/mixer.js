@@ -99,7 +99,8 @@ const lightCard = (names, i) => {
   const term = (letter, word) => {
     const box = make("input", { type: "checkbox", "data-light": i, "data-letter": letter });
     box.oninput = () => edit({ terms: toggled(state.lights[i].terms, letter, box.checked, "ADS") });
-    return make("label", { class: "switch" }, box, make("span", {}, word));
+    const any = index.layers.some((l) => l.group === i && LETTER[l.term] === letter);
+    return make("label", { class: any ? "switch" : "switch empty", title: any ? null : "Zero in this scene" }, box, make("span", {}, word));
   };
   const strength = make("input", { type: "range", min: 0, max: 2, step: 0.01, id: id + "-strength", "data-light": i, "aria-label": "Strength of " + name });
   strength.oninput = () => edit({ strength: Number(strength.value) });

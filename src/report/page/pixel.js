@@ -62,50 +62,85 @@ const nearestExplained = ([x, y]) => {
 };
 
 const colorText = (color) => (color ? "(" + color.map(show).join(", ") + ")" : "–");
-const vectorText = (v) => (v ? "(" + v.map(show).join(", ") + ")" : "–");
-// The lights at a hit: geometry and terms.
-const lightLines = (terms) =>
-  (terms?.lights ?? []).map((light) => {
-    const facts = [];
-    const fact = (name, value) => value !== null && value !== undefined && facts.push(name + " = " + (typeof value === "number" ? show(value) : value));
-    fact("N·L", light.n_dot_l);
-    fact("N·H", light.n_dot_h);
-    fact("V·R", light.v_dot_r);
-    fact("distance", light.distance);
-    if (light.attenuation !== 1) fact("attenuation", light.attenuation);
-    if (light.spot !== 1) fact("spot", light.spot);
-    const shadow = Array.isArray(light.shadow) ? colorText(light.shadow) : light.shadow;
-    fact("S_L", shadow);
-    if (light.blocker) facts.push("blocked by " + (light.blocker.object ?? light.blocker.name ?? light.blocker));
-    return make("li", {}, make("strong", {}, light.name), " " + facts.join(", "), make("br"),
-      "ambient " + colorText(light.ambient) + " + diffuse " + colorText(light.diffuse) + " + specular " + colorText(light.specular));
+const times = (x) => (Array.isArray(x) ? (x.every((v) => v === x[0]) ? show(x[0]) : colorText(x)) : show(x));
+// "K_D" with its subscript lowered.
+const symbol = (text) => {
+  const [letter, sub] = text.split("_");
+  return make("var", {}, letter, sub ? make("sub", {}, sub) : null);
+};
+// A product with its numbers: [["K_D", color], ["N·L", 0.5], ...] = result.
+const product = (name, factors, result) => {
+  const line = make("li", { class: "product" }, make("span", { class: "word" }, name), " ");
+  factors.filter(([, x]) => x !== null && x !== undefined).forEach(([sign, x], k) => {
+    if (k) line.append(" × ");
+    line.append(symbol(sign), " " + times(x));
   });
-// A ray and what it found, with the rays that start there.
-const rayNode = (name, ray, weight, about) => {
-  const hit = ray?.hit;
-  const where = hit ? "hits " + hit.object + (hit.material && hit.material !== hit.object ? " (" + hit.material + ")" : "") + (hit.inside ? " from inside" : "") + (typeof hit.t === "number" ? " at t = " + show(hit.t) : "")
-    : "meets nothing";
-  const summary = make("summary", {}, make("strong", {}, name), " " + where, weight ? ", weight " + colorText(weight) : "", about ?? "",
-    ", brings " + colorText(ray?.color));
-  const parts = make("ul", {});
-  const terms = ray?.terms;
-  if (terms) {
-    parts.append(make("li", {}, "emission " + colorText(terms.emission) + " + ambient " + colorText(terms.ambient)), ...lightLines(terms));
+  line.append(" = ", make("strong", {}, colorText(result)));
+  return line;
+};
+const dark = (color) => !color || color.every((x) => x === 0);
+// What a light adds at a hit: each product with its numbers, and why one is 0.
+const lightLines = (light, source, material, shininess) => {
+  const { n_dot_l: facing, shadow } = light, lines = [];
+  const spread = light.attenuation === 1 ? null : light.attenuation, cone = light.spot === 1 ? null : light.spot;
+  const arrives = [["I_L", null], ["attenuation", spread], ["spot", cone]];
+  const put = (name, factors, color, result) =>
+    lines.push(product(name, [...factors, ["I_L", color], ...arrives.slice(1)], result));
+  if (!dark(light.ambient)) put("ambient", [["K_A", material.ambient]], source.ambient, light.ambient);
+  const why = facing <= 0 ? "faces away" : light.spot === 0 ? "is outside its cone" : dark(shadow ?? [1]) || shadow === 0 ? "is blocked by " + (light.blocker ?? "something") : "";
+  const about = make("li", {}, make("strong", {}, light.name), " ", symbol("N·L"), " " + show(facing),
+    ...(typeof light.distance === "number" ? [", distance " + show(light.distance)] : [", directional"]),
+    ...(shadow === null || shadow === undefined ? [] : [", ", symbol("S_L"), " " + times(shadow)]), why ? "; " + why : "");
+  if (!why) {
+    put("diffuse", [["K_D", material.diffuse], ["N·L", Math.max(facing, 0)], ["S_L", shadow]], source.diffuse, light.diffuse);
+    if (!dark(light.specular)) {
+      const [sign, cosine] = light.n_dot_h === undefined ? ["V·R", light.v_dot_r] : ["N·H", light.n_dot_h];
+      const power = cosine > 0 ? cosine ** shininess : 0;
+      put("specular", [["K_S", material.specular], ["(" + sign + ")", cosine], ["to the n = " + show(shininess) + ":", power], ["S_L", shadow]], source.specular, light.specular);
+    }
   }
-  if (hit?.point) parts.append(make("li", { class: "geometry" }, "point " + vectorText(hit.point) + ", normal " + vectorText(hit.normal)));
-  const { reflection, refraction } = ray ?? {};
-  if (reflection?.ray) parts.append(make("li", {}, rayNode("reflection", reflection.ray, reflection.weight)));
-  if (refraction?.ray) {
-    const eta = refraction.eta ? ", η " + refraction.eta.map(show).join(" → ") : "";
-    parts.append(make("li", {}, rayNode("refraction", refraction.ray, refraction.weight, eta)));
-  } else if (refraction?.tir) parts.append(make("li", {}, "refraction: total internal reflection, nothing passes"));
-  return make("details", { open: true }, summary, parts);
+  if (lines.length) about.append(make("ul", {}, ...lines));
+  return about;
+};
+// The terms at a hit.
+const termLines = (terms, lights) => {
+  const lines = [];
+  if (!dark(terms.emission)) lines.push(product("emission", [["I_E", terms.emission]], terms.emission));
+  if (!dark(terms.ambient)) lines.push(make("li", { class: "product" }, make("span", { class: "word" }, "ambient"), " ", symbol("K_A"), " ", symbol("I_AL"), " = ", make("strong", {}, colorText(terms.ambient))));
+  terms.lights.forEach((light, k) => {
+    if (light.n_dot_l !== undefined && terms.material) lines.push(lightLines(light, lights[k], terms.material, terms.material.shininess));
+    else if (!dark(light.ambient) || !dark(light.diffuse) || !dark(light.specular)) {
+      lines.push(make("li", {}, make("strong", {}, light.name), " ambient " + colorText(light.ambient) + ", diffuse " + colorText(light.diffuse) + ", specular " + colorText(light.specular)));
+    }
+  });
+  return lines;
+};
+// A ray and what it found, with the rays that start there.
+const rayNode = (name, ray, lights, about, open) => {
+  const { hit, terms, reflection, refraction } = ray;
+  const material = hit && hit.material !== hit.object ? " (" + hit.material + ")" : "";
+  const where = hit ? "hits " + hit.object + material + (hit.inside ? " from inside" : "") : "meets nothing: the background";
+  const summary = make("summary", {}, make("strong", {}, name), ...about, " " + where + ", brings ", make("strong", {}, colorText(ray.color)));
+  const parts = make("ul", {}, ...(terms ? termLines(terms, lights) : []));
+  const branch = (word, sign, part, more) => {
+    if (!part) return;
+    const told = [" weight ", symbol(sign), " " + times(part.weight) + more + ","];
+    if (part.ray) parts.append(make("li", {}, rayNode(word, part.ray, lights, told, open)));
+    else if (part.tir) parts.append(make("li", {}, word + ": total internal reflection, nothing passes"));
+    else parts.append(make("li", {}, word + ": no ray" + (ray.depth_reached ? ", the depth is reached" : ", it would weigh nothing")));
+  };
+  branch("reflection", "K_R", reflection, "");
+  const bends = refraction && refraction.eta[0] !== refraction.eta[1];
+  branch("refraction", "K_T", refraction, bends ? ", η " + refraction.eta.map((x) => String(+x.toFixed(3))).join(" → ") + (refraction.angle_deg === null ? "" : ", angle " + hit.incidence_deg.toFixed(1) + "° → " + refraction.angle_deg.toFixed(1) + "°") : "");
+  return make("details", { open }, summary, parts);
 };
 const explanation = (found) => {
-  const { raster, trace } = found.explanation;
+  const { raster, trace, lights, causes } = found.explanation;
+  const shares = causes.filter((cause) => !dark(cause.rgb)).map((cause) => cause.name + " " + cause.rgb.map(signed).join(" "));
   return make("div", { class: "tree" }, make("h3", {}, "The equation with its numbers, and the ray tree"),
-    make("p", { class: "hint" }, found.why ? found.why + ". " : "", "Weights are products along the path; K_T counts once an interface."),
-    rayNode("raster", raster), rayNode("ray from the eye", trace));
+    make("p", { class: "hint" }, found.why ? found.why[0].toUpperCase() + found.why.slice(1) + ". " : "", "Weights are those of each surface; K_T counts once an interface."),
+    rayNode("raster, " + raster.shading, raster, lights, [], true), rayNode("trace, ray from the eye", trace, lights, [], true),
+    make("p", { class: "hint" }, "Causes of this pixel's difference: " + (shares.join("; ") || "none") + "."));
 };
 
 // Fills the section; only the newest pixel counts.

@@ -1,0 +1,336 @@
+//! Why this colour? One pixel in both renderers: the equation with its numbers, per light and term, the weighted ray tree, and
+//! the causes of the pixel's difference.
+//!
+//! In: a scene and the options of its renders. Out: an [`Explanation`] a pixel, plain values that serialise as
+//! `explain --json`. Nothing is computed twice: the renderers draw the one pixel through their own passes and write down what
+//! they do (`raster::record`, `trace::record`), the ladder climbs at it (`decompose::rungs_at`), and here the numbers only get
+//! names and world space. So totals are the stored pixels, bit for bit:
+//!
+//! - `raster.color` and `trace.color` are the pixels of the float pictures of `render`.
+//! - One sample: the tracer's colour is the sum of its primary hit's terms in their order, then `reflection.contribution`, then
+//!   `refraction.contribution`, in the render's precision (f64 rounded once where some colour is negative). Each contribution
+//!   is the sum over its rays, in the order of their numbers, of path weight times term.
+//! - Per fragment, the rasterizer's colour is the sum of its terms; flat, that of the provoking vertex; Gouraud, the colours of
+//!   three vertices interpolated with their weights, whose terms are interpolated alike and leave a remainder of rounding.
+//! - Several samples: the colour is the mean over the samples; one sample, the nearest to the centre, is explained.
+//! - The causes add up to the difference of the two PNGs exactly.
+//!
+//! Cost: a [`Setting`] assembles the triangles and an [`Explainer`] plans both renderers, once a scene; a pixel then costs
+//! about what seven renders of one pixel cost.
+//!
+//! ```
+//! use rastray::{explain::{Options, Setting}, import};
+//! let mut scene = import::load("two-sided", &import::LoadOptions::default()).unwrap().scene;
+//! (scene.image.width, scene.image.height) = (64, 48);
+//! let setting = Setting::new(&scene, Options::default()).unwrap();
+//! let explained = setting.explainer().unwrap().at(32, 24).unwrap();
+//! let sum: f64 = explained.causes.iter().map(|cause| cause.rgb[0]).sum();
+//! assert_eq!(sum, explained.difference[0]);
+//! ```
+
+mod local;
+pub mod nested;
+mod raster_side;
+mod tree;
+mod value;
+
+pub use value::{
+    Blended, Cause, Coefficients, Explanation, Factors, Hit, Kind, Light, LightTerms, Raster, Ray,
+    Reflection, Refraction, Samples, Terms, Trace, Vector, Vertex,
+};
+
+use crate::decompose::{self, CAUSES, rungs_at};
+use crate::error::Error;
+use crate::gl::SpecularModel;
+use crate::lanes::{Isa, Real};
+use crate::math::color::Rgb;
+use crate::scene::assembly::Assembly;
+use crate::scene::requirements::Model;
+use crate::scene::{Geometry, Scene};
+use crate::{raster, sampling, trace};
+use local::Local;
+
+/// Precision of both renderers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 32-bit floats.
+    #[default]
+    F32,
+    /// 64-bit floats, the whole path.
+    F64,
+}
+
+/// What changes the pictures beside the scene itself: its size, samples, shading, depth and snap are the scene's.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Tessellation, model and which rays the tracer casts.
+    pub ladder: decompose::Options,
+    /// Precision.
+    pub precision: Precision,
+    /// What the tracer traces; on the rasterizer's triangles the ladder's step `tessellation` is 0.
+    pub geometry: trace::Geometry,
+}
+
+impl Default for Options {
+    /// What `render` and `compare` do without flags.
+    fn default() -> Self {
+        Self {
+            ladder: decompose::Options {
+                level: None,
+                isa: Isa::detect(),
+                model: Model::Required,
+                shadows: true,
+                reflection: true,
+                refraction: true,
+            },
+            precision: Precision::F32,
+            geometry: trace::Geometry::Exact,
+        }
+    }
+}
+
+/// A scene with its triangles: what an [`Explainer`] borrows.
+pub struct Setting<'a> {
+    scene: &'a Scene,
+    options: Options,
+    triangles: Triangles,
+}
+
+enum Triangles {
+    F32(Assembly<f32>),
+    F64(Assembly<f64>),
+}
+
+impl<'a> Setting<'a> {
+    /// Assembles the triangles of a scene.
+    ///
+    /// # Errors
+    /// What the renderers refuse: too many triangles, places beyond the precision.
+    pub fn new(scene: &'a Scene, options: Options) -> Result<Self, Error> {
+        let level = options.ladder.level;
+        let triangles = match options.precision {
+            Precision::F32 => Triangles::F32(assemble(scene, level)?),
+            Precision::F64 => Triangles::F64(assemble(scene, level)?),
+        };
+        Ok(Self {
+            scene,
+            options,
+            triangles,
+        })
+    }
+
+    /// Plans both renderers.
+    ///
+    /// # Errors
+    /// A picture without pixels.
+    pub fn explainer(&self) -> Result<Explainer<'_>, Error> {
+        let (scene, options) = (self.scene, &self.options);
+        Ok(Explainer {
+            bench: match &self.triangles {
+                Triangles::F32(triangles) => Bench::F32(Plans::new(scene, triangles, options)?),
+                Triangles::F64(triangles) => Bench::F64(Plans::new(scene, triangles, options)?),
+            },
+        })
+    }
+}
+
+fn assemble<R: Real>(scene: &Scene, level: Option<u32>) -> Result<Assembly<R>, Error> {
+    let assembly = Assembly::new(scene, level)?;
+    assembly.check_range(scene)?;
+    Ok(assembly)
+}
+
+/// Explains pixels of one scene; several threads may ask at once.
+pub struct Explainer<'a> {
+    bench: Bench<'a>,
+}
+
+enum Bench<'a> {
+    F32(Plans<'a, f32>),
+    F64(Plans<'a, f64>),
+}
+
+impl Explainer<'_> {
+    /// Explains the pixel X, Y, counted from the top left.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] outside the picture, and what the renderers refuse.
+    pub fn at(&self, x: u32, y: u32) -> Result<Explanation, Error> {
+        match &self.bench {
+            Bench::F32(plans) => plans.explain([x, y]),
+            Bench::F64(plans) => plans.explain([x, y]),
+        }
+    }
+
+    /// Explains what a ray of the caller's brings back: world space, a direction of any length but zero. It is seen along
+    /// itself, starts in air and knows no near and far plane.
+    ///
+    /// # Errors
+    /// What the tracer refuses.
+    pub fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
+        match &self.bench {
+            Bench::F32(plans) => plans.along(origin, direction),
+            Bench::F64(plans) => plans.along(origin, direction),
+        }
+    }
+}
+
+/// Both renderers, planned.
+struct Plans<'a, R> {
+    scene: &'a Scene,
+    options: &'a Options,
+    assembly: &'a Assembly<R>,
+    raster: raster::Plan<'a, R>,
+    /// The tracer on the rasterizer's triangles; `None` where that is what `traced` traces.
+    mesh: Option<trace::Plan<'a, R>>,
+    traced: trace::Plan<'a, R>,
+}
+
+impl<'a, R: Real> Plans<'a, R> {
+    fn new(
+        scene: &'a Scene,
+        assembly: &'a Assembly<R>,
+        options: &'a Options,
+    ) -> Result<Self, Error> {
+        let model = options.ladder.model;
+        let plan = |geometry| trace::Plan::new(scene, assembly, geometry, model);
+        let shapes = |o: &crate::scene::Object| matches!(o.geometry, Geometry::Shape(_));
+        let apart = options.geometry == trace::Geometry::Exact && scene.objects.iter().any(shapes);
+        Ok(Self {
+            scene,
+            options,
+            assembly,
+            raster: raster::Plan::new(scene, assembly, model),
+            mesh: apart.then(|| plan(trace::Geometry::Mesh)).transpose()?,
+            traced: plan(options.geometry)?,
+        })
+    }
+
+    fn explain(&self, pixel: [u32; 2]) -> Result<Explanation, Error> {
+        let plans = decompose::Plans {
+            raster: &self.raster,
+            mesh: self.mesh.as_ref().unwrap_or(&self.traced),
+            exact: &self.traced,
+        };
+        let (rungs, limited) = rungs_at(self.scene, &self.options.ladder, &plans, pixel)?;
+        let stored = |rung: Rgb| rung.map(|x| (x * 255.0).round() as u8);
+        let (shown, places) = samples(self.scene, pixel);
+        let rastered = self.raster_record(pixel, shown)?;
+        let traced = self
+            .traced
+            .record_pixel(&self.trace_options(), pixel, shown)?;
+        let place = [0, 1].map(|k| f64::from(pixel[k]) + places[shown as usize][k]);
+        let local = self.local(&self.traced);
+        let samples = (places.len() > 1).then(|| Samples {
+            shown: shown as usize,
+            places,
+            raster: rastered.samples.iter().map(|c| wide(*c)).collect(),
+            trace: traced.samples.iter().map(|(c, _)| wide(*c)).collect(),
+        });
+        let raster = self.raster_side(&rastered, place, stored(rungs[0]));
+        let mean: [R; 3] = mean(&traced.samples, |(color, _)| *color);
+        let trace = Trace {
+            color: wide(mean),
+            stored: stored(rungs[9]),
+            rays: tree::rays(&local, &traced, self.scene.trace.depth),
+        };
+        let light_model = &self.scene.light_model;
+        let step = |(i, name)| Cause {
+            name,
+            rgb: less(rungs[i + 1], rungs[i]),
+        };
+        Ok(Explanation {
+            scene: self.scene.name.clone(),
+            pixel,
+            size: [self.scene.image.width, self.scene.image.height],
+            precision: R::NAME,
+            specular_model: match light_model.specular_model {
+                SpecularModel::HalfVector => "half-vector",
+                SpecularModel::Reflection => "reflection",
+            },
+            scene_ambient: light_model.ambient,
+            lights: local.sources(),
+            samples,
+            raster,
+            trace,
+            difference: less(rungs[9], rungs[0]),
+            causes: CAUSES.into_iter().enumerate().map(step).collect(),
+            rungs: rungs.to_vec(),
+            limited,
+        })
+    }
+
+    fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
+        let ray = trace::ray::Ray::new(origin.into(), direction.into());
+        let record = self.traced.record_ray(&self.trace_options(), &ray)?;
+        let local = self.local(&self.traced);
+        let color: [R; 3] = mean(&record.samples, |(color, _)| *color);
+        Ok(Trace {
+            color: wide(color),
+            stored: color.map(crate::math::color::quantize8),
+            rays: tree::rays(&local, &record, self.scene.trace.depth),
+        })
+    }
+
+    fn trace_options(&self) -> trace::Options {
+        let ladder = &self.options.ladder;
+        trace::Options {
+            shadows: ladder.shadows,
+            reflection: ladder.reflection,
+            refraction: ladder.refraction,
+            ..trace::Options::of(self.scene, ladder.isa)
+        }
+    }
+
+    fn local<'p>(&'p self, plan: &'p trace::Plan<'a, R>) -> Local<'p, R> {
+        Local {
+            scene: self.scene,
+            rig: plan.rig(),
+            lamps: plan.lamps(),
+            world_from_eye: self.scene.camera.eye_from_world_rotation().transpose(),
+            shadows: self.options.ladder.shadows,
+        }
+    }
+}
+
+/// The sample nearest to the centre of a pixel, and where each one lies.
+fn samples(scene: &Scene, [x, y]: [u32; 2]) -> (u32, Vec<[f64; 2]>) {
+    let image = &scene.image;
+    let step = f64::from(sampling::SUBPIXEL);
+    let place = |i| {
+        let (a, b) = sampling::position(image.pattern, image.samples, x, y, i);
+        [f64::from(a) / step, f64::from(b) / step]
+    };
+    let places: Vec<[f64; 2]> = (0..image.samples.max(1)).map(place).collect();
+    let off = |[a, b]: [f64; 2]| (a - 0.5) * (a - 0.5) + (b - 0.5) * (b - 0.5);
+    let nearest = (1..places.len()).fold(0, |best, i| {
+        if off(places[i]) < off(places[best]) {
+            i
+        } else {
+            best
+        }
+    });
+    (nearest as u32, places)
+}
+
+/// The pixel of the picture: its only sample, or the mean as both renderers take it.
+fn mean<R: Real, T>(samples: &[T], color: impl Fn(&T) -> [R; 3]) -> [R; 3] {
+    if let [one] = samples {
+        return color(one);
+    }
+    let mut sum = [0.0; 3];
+    for sample in samples {
+        for (sum, x) in sum.iter_mut().zip(color(sample)) {
+            *sum += x.to_f64();
+        }
+    }
+    sampling::resolve(sum, samples.len() as u32)
+}
+
+fn wide<R: Real>(color: [R; 3]) -> Rgb {
+    color.map(Real::to_f64)
+}
+
+fn less(a: Rgb, b: Rgb) -> Rgb {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
