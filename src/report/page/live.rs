@@ -315,3 +315,80 @@ fn explained(pixels: &[Explained]) -> Result<Blob, Error> {
         .collect();
     raw("explained", Value::from(list).to_string().as_bytes())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decompose::{Options, decompose, views};
+    use crate::import::{LoadOptions, load};
+    use crate::lanes::Isa;
+    use crate::scene::requirements::Model;
+
+    /// Packs a shipped scene with four lights within a budget.
+    fn pack(budgets: &[usize]) -> Vec<Live> {
+        let mut scene = load("lights", &LoadOptions::default()).unwrap().scene;
+        (scene.image.width, scene.image.height) = (40, 30);
+        let options = Options {
+            level: Some(8),
+            isa: Isa::detect(),
+            model: Model::Required,
+            shadows: true,
+            reflection: true,
+            refraction: true,
+        };
+        let quiet = |_: &str| {};
+        let ladder = decompose::<f32>(&scene, &options, &quiet).unwrap();
+        let views = views::<f32>(&scene, &options, &ladder, &quiet).unwrap();
+        let input = Input {
+            ladder: &ladder,
+            views: &views,
+            shading: scene.raster.shading,
+            lights: &scene.light_names(),
+            view: View::Linear,
+            explained: &[],
+            explain: &["rastray explain lights ".to_owned(), String::new()],
+        };
+        let within = |budget: &usize| Live::within(&input, *budget).unwrap();
+        budgets.iter().map(within).collect()
+    }
+
+    fn size(live: &Live) -> usize {
+        live.blobs
+            .iter()
+            .map(|(_, b)| b.len().div_ceil(3) * 4)
+            .sum()
+    }
+
+    #[test]
+    fn all_of_a_small_picture_fits() {
+        let live = &pack(&[BUDGET])[0];
+        assert_eq!(live.index["pictures"].as_array().unwrap().len(), 13);
+        assert_eq!(live.groups.len(), 4);
+        assert!(live.left_out.is_empty());
+        assert!(live.mix_error.unwrap() < 1.0 / 512.0);
+        for (name, _) in &live.blobs {
+            assert!(live.index["how"][name]["kind"].is_string(), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_left_out_in_order_and_said() {
+        let full = size(&pack(&[BUDGET])[0]);
+        let budgets: Vec<usize> = (0..40).map(|k| full * (40 - k) / 40).chain([0]).collect();
+        let lives = pack(&budgets);
+        let mut groups: Vec<usize> = Vec::new();
+        for (live, budget) in lives.iter().zip(&budgets) {
+            assert!(size(live) <= *budget);
+            groups.push(live.groups.len());
+            assert_eq!(live.left_out.is_empty(), *budget == full, "{budget}");
+        }
+        groups.dedup();
+        assert_eq!(groups[0], 4);
+        assert!(
+            groups.contains(&1) && groups.is_sorted_by(|a, b| a > b),
+            "{groups:?}"
+        );
+        let last = lives.last().unwrap();
+        assert!(last.index.is_null() && last.left_out[0].contains("do not move"));
+    }
+}

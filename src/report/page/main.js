@@ -20,6 +20,7 @@ const fillSelects = () => {
 const controls = () => {
   by("swap").onclick = () => change({ left: state.right, right: state.left });
   for (const radio of document.querySelectorAll("[name=look]")) radio.oninput = () => change({ look: radio.value });
+  by("tell").onclick = () => by("pixel").scrollIntoView({ behavior: "smooth" });
   by("hatch").oninput = (e) => change({ hatch: e.target.checked });
   by("exposure").oninput = (e) => change({ exposure: Number(e.target.value) });
   by("telling").oninput = (e) => e.target.value && change({ pixel: e.target.value.split(",").map(Number) });
@@ -169,7 +170,7 @@ const start = async () => {
   setUpMixer();
   pointers();
   keys();
-  stage.style.aspectRatio = width + " / " + height;
+  stage.style.setProperty("--ratio", String(width / height));
   await loadExplained();
   state = readHash();
   listeners.push(refresh);

@@ -35,9 +35,11 @@ const sumTable = async (i) => {
       mix[c] += gain[c] * (shadows ? lit : free)[c];
     });
     if (!free.some((x) => x) && !lit.some((x) => x)) continue;
-    const light = layer.group === null ? "" : " · " + (index.groups[layer.group].length === 1 ? index.groups[layer.group][0] : index.groups[layer.group].length + " lights");
-    const blocked = free.some((x, c) => x !== lit[c]);
-    const note = !blocked ? "" : lit.some((x) => x) ? "partly shadowed; unblocked " + free.map(show).join("  ") : "in shadow; unblocked " + free.map(show).join("  ");
+    const bounced = "RT".includes(LETTER[layer.term]);
+    const light = layer.group === null ? (bounced && index.groups.length ? " · ambient, background" : "") : " · " + (index.groups[layer.group].length === 1 ? index.groups[layer.group][0] : index.groups[layer.group].length + " lights");
+    const blocked = free.some((x, c) => Math.abs(x - lit[c]) > 5e-4);
+    const how = bounced ? "without shadows " : lit.some((x) => x) ? "partly in shadow; unblocked " : "in shadow; unblocked ";
+    const note = blocked ? how + free.map(show).join("  ") : "";
     rows.push(row(termNames[layer.term] + light, lit, show, note));
   }
   rows.push(row("sum", sum, show, sum.some((x) => x > 1 || x < 0) ? "clamped to 0…1 when shown" : ""));
@@ -78,7 +80,7 @@ const product = (name, factors, result) => {
   line.append(" = ", make("strong", {}, colorText(result)));
   return line;
 };
-const dark = (color) => !color || color.every((x) => x === 0);
+const dark = (color) => (Array.isArray(color) ? color.every((x) => x === 0) : color === 0);
 // What a light adds at a hit: each product with its numbers, and why one is 0.
 const lightLines = (light, source, material, shininess) => {
   const { n_dot_l: facing, shadow } = light, lines = [];
@@ -87,7 +89,7 @@ const lightLines = (light, source, material, shininess) => {
   const put = (name, factors, color, result) =>
     lines.push(product(name, [...factors, ["I_L", color], ...arrives.slice(1)], result));
   if (!dark(light.ambient)) put("ambient", [["K_A", material.ambient]], source.ambient, light.ambient);
-  const why = facing <= 0 ? "faces away" : light.spot === 0 ? "is outside its cone" : dark(shadow ?? [1]) || shadow === 0 ? "is blocked by " + (light.blocker ?? "something") : "";
+  const why = facing <= 0 ? "faces away" : light.spot === 0 ? "is outside its cone" : shadow !== null && shadow !== undefined && dark(shadow) ? "is blocked by " + (light.blocker ?? "something") : "";
   const about = make("li", {}, make("strong", {}, light.name), " ", symbol("N·L"), " " + show(facing),
     ...(typeof light.distance === "number" ? [", distance " + show(light.distance)] : [", directional"]),
     ...(shadow === null || shadow === undefined ? [] : [", ", symbol("S_L"), " " + times(shadow)]), why ? "; " + why : "");
@@ -116,7 +118,7 @@ const termLines = (terms, lights) => {
   return lines;
 };
 // A ray and what it found, with the rays that start there.
-const rayNode = (name, ray, lights, about, open) => {
+const rayNode = (name, ray, lights, about, level) => {
   const { hit, terms, reflection, refraction } = ray;
   const material = hit && hit.material !== hit.object ? " (" + hit.material + ")" : "";
   const where = hit ? "hits " + hit.object + material + (hit.inside ? " from inside" : "") : "meets nothing: the background";
@@ -125,21 +127,21 @@ const rayNode = (name, ray, lights, about, open) => {
   const branch = (word, sign, part, more) => {
     if (!part) return;
     const told = [" weight ", symbol(sign), " " + times(part.weight) + more + ","];
-    if (part.ray) parts.append(make("li", {}, rayNode(word, part.ray, lights, told, open)));
+    if (part.ray) parts.append(make("li", {}, rayNode(word, part.ray, lights, told, level + 1)));
     else if (part.tir) parts.append(make("li", {}, word + ": total internal reflection, nothing passes"));
     else parts.append(make("li", {}, word + ": no ray" + (ray.depth_reached ? ", the depth is reached" : ", it would weigh nothing")));
   };
-  branch("reflection", "K_R", reflection, "");
+  branch("reflection", index.mirror, reflection, "");
   const bends = refraction && refraction.eta[0] !== refraction.eta[1];
   branch("refraction", "K_T", refraction, bends ? ", η " + refraction.eta.map((x) => String(+x.toFixed(3))).join(" → ") + (refraction.angle_deg === null ? "" : ", angle " + hit.incidence_deg.toFixed(1) + "° → " + refraction.angle_deg.toFixed(1) + "°") : "");
-  return make("details", { open }, summary, parts);
+  return make("details", { open: level < 3 }, summary, parts);
 };
 const explanation = (found) => {
   const { raster, trace, lights, causes } = found.explanation;
   const shares = causes.filter((cause) => !dark(cause.rgb)).map((cause) => cause.name + " " + cause.rgb.map(signed).join(" "));
   return make("div", { class: "tree" }, make("h3", {}, "The equation with its numbers, and the ray tree"),
     make("p", { class: "hint" }, found.why ? found.why[0].toUpperCase() + found.why.slice(1) + ". " : "", "Weights are those of each surface; K_T counts once an interface."),
-    rayNode("raster, " + raster.shading, raster, lights, [], true), rayNode("trace, ray from the eye", trace, lights, [], true),
+    rayNode("raster, " + raster.shading, raster, lights, [], 0), rayNode("trace, ray from the eye", trace, lights, [], 0),
     make("p", { class: "hint" }, "Causes of this pixel's difference: " + (shares.join("; ") || "none") + "."));
 };
 

@@ -213,7 +213,7 @@ pub(super) fn methods(live: &Live) -> Markup {
 pub(super) fn work(summary: &Summary) -> Markup {
     html! {
         @if !summary.counters.is_empty() || !summary.seconds.is_empty() {
-            section {
+            section.work-done {
                 h2 { "Work and time" }
                 details { summary { "Counters and seconds of each rung" } div.columns {
                     (object_table("Work counts", &summary.counters, |n| n.as_u64().map(|n| count(n as usize))))
@@ -279,7 +279,7 @@ pub(super) fn origin(report: &Report) -> Markup {
             h2 { "How this was made" }
             pre { code { (report.command) } }
             @if !report.settings.is_empty() {
-                dl { @for (name, setting) in &report.settings { dt { (name) } dd { (setting) } } }
+                dl.settings { @for (name, setting) in &report.settings { dt { (name) } dd { (setting) } } }
             }
             h2 { "Notes on the scene" }
             @if report.notes.is_empty() {

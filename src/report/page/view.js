@@ -198,6 +198,7 @@ const readOut = () => {
   by("value-left").replaceChildren(swatch(a), a.map(show).join("  "));
   by("value-right").replaceChildren(swatch(b), b.map(show).join("  "));
   by("value-difference").textContent = triple((c) => signed(b[c] - a[c])).join("  ");
+  by("more").hidden = !state.pixel;
   const place = state.pixel ?? at;
   cross.hidden = false;
   cross.style.left = (100 * ((cursor && keyed ? cursor : place)[0] + 0.5)) / width + "%";

@@ -73,6 +73,7 @@ fn readout() -> Markup {
             @for (id, name) in [("at", "pixel"), ("value-left", "left"), ("value-right", "right"), ("value-difference", "right − left")] {
                 div { dt { (name) } dd id=(id) { "–" } }
             }
+            div.more #more hidden { dt.spoken { "more" } dd { button.quiet #tell type="button" { "all numbers of this pixel ↓" } } }
         }
     }
 }
