@@ -107,6 +107,10 @@ pub struct Layers<R> {
     pub planes: Vec<Plane<[R; 3]>>,
     /// Some colour of the scene is negative: the sum runs in f64.
     pub signed: bool,
+    /// Reflection and refraction once more, split by what lit them: for each of the two one plane a light, then one of what
+    /// no light made (emission, scene ambient, background), at [`LayerIndex::split`]. Not further summands: they add up to
+    /// the two layers within rounding. Empty unless asked for ([`crate::trace::Plan::draw_split`]).
+    pub splits: Vec<Plane<[R; 3]>>,
 }
 
 /// Positions of the layers for a number of lights.
@@ -145,6 +149,28 @@ impl LayerIndex {
     pub fn count(self) -> usize {
         self.local() + 3
     }
+    /// The part of reflection (`branch` 0) or refraction (1) that a light made; `self.lights` = what none made.
+    pub fn split(self, branch: usize, light: usize) -> usize {
+        branch * (self.lights + 1) + light
+    }
+    /// How many parts there are.
+    pub fn splits(self) -> usize {
+        2 * (self.lights + 1)
+    }
+    /// Whether layers and parts together stay within [`MAX_LAYER_PIXELS`].
+    pub fn splits_fit(self, width: u32, height: u32) -> bool {
+        let pixels = u64::from(width) * u64::from(height);
+        let planes = (self.count() + self.splits()) as u64;
+        planes.saturating_mul(pixels) <= MAX_LAYER_PIXELS
+    }
+    /// Which light a local layer belongs to; `self.lights` = none.
+    pub fn light_of(self, layer: usize) -> usize {
+        if layer < self.light(0) {
+            self.lights
+        } else {
+            (layer - self.light(0)) / 3
+        }
+    }
 
     /// Refuses layers that would fill the memory.
     ///
@@ -182,20 +208,23 @@ impl<R: Real> Layers<R> {
             names,
             planes,
             signed,
+            splits: Vec::new(),
         }
     }
 
     /// The layers as files hold them.
     pub fn to_f32(&self) -> Layers<f32> {
-        let planes = self
-            .planes
-            .iter()
-            .map(|plane| plane.map(|c| c.map(Real::to_f32)))
-            .collect();
+        let stored = |planes: &[Plane<[R; 3]>]| {
+            let planes = planes.iter();
+            planes
+                .map(|plane| plane.map(|c| c.map(Real::to_f32)))
+                .collect()
+        };
         Layers {
             names: self.names.clone(),
-            planes,
+            planes: stored(&self.planes),
             signed: self.signed,
+            splits: stored(&self.splits),
         }
     }
 
@@ -276,6 +305,9 @@ mod tests {
         assert_eq!(layers.names[index.reflection()], "reflection");
         assert_eq!(layers.names[index.remainder()], "remainder");
         assert_eq!(layers.names.len(), index.count());
+        let lights: Vec<usize> = (0..index.local()).map(|k| index.light_of(k)).collect();
+        assert_eq!(lights, [2, 2, 0, 0, 0, 1, 1, 1]);
+        assert_eq!(index.split(1, index.lights) + 1, index.splits());
     }
 
     #[test]

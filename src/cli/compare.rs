@@ -6,15 +6,16 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use rastray::decompose::{self, CAUSES, Ladder, decompose};
+use rastray::decompose::{self, CAUSES, Ladder, Views, decompose};
 use rastray::error::Error;
 use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
 use rastray::import::Imported;
+use rastray::lanes::Real;
 use rastray::report::Report;
 use rastray::report::causes;
 use rastray::report::equation::{Form, Term};
 use rastray::report::files::{self, View};
-use rastray::report::layered::{self, NamedLayer};
+use rastray::report::layered;
 use rastray::report::page::NamedPlane;
 use rastray::report::summary::{Agreement, Cause, Coverage, Summary};
 use rastray::scene::Scene;
@@ -29,10 +30,10 @@ use super::args::{AgainstArg, CompareArgs, PrecisionArg};
 use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
 use super::watch::{Made, follow};
-use super::{commands, opengl};
+use super::{commands, live, opengl};
 
 /// Steps that progress hears of: those of the ladder, and the report.
-const STEPS: u64 = 11;
+const STEPS: u64 = 12;
 
 /// Exit code 1 where a threshold was asked for and is exceeded.
 pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
@@ -72,20 +73,29 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
     let options = ladder_options(args, &quality);
     let (progress, done) = (Progress::new(verbosity, STEPS), AtomicU64::new(0));
     let step = |name: &str| progress.step(done.fetch_add(1, Ordering::Relaxed), name);
-    let ladder = match args.quality.precision {
-        PrecisionArg::F32 => decompose::<f32>(&imported.scene, &options, &step)?,
-        PrecisionArg::F64 => decompose::<f64>(&imported.scene, &options, &step)?,
+    let (ladder, views) = match args.quality.precision {
+        PrecisionArg::F32 => climb::<f32>(&imported.scene, &options, &step)?,
+        PrecisionArg::F64 => climb::<f64>(&imported.scene, &options, &step)?,
     };
     let render_seconds = start.elapsed().as_secs_f64();
     step("figures and page");
     let comparison = Comparison {
         imported: &imported,
         ladder: &ladder,
+        live: &live::Source {
+            args,
+            scene: &imported.scene,
+            ladder: &ladder,
+            views: &views,
+            options: &options,
+        },
     };
     let settings = settings(args, &imported.scene, &quality);
     let view = view(&args.quality);
     let report = comparison.report(view, settings, start, render_seconds)?;
-    let (layers, files) = rayon::join(|| comparison.layers(view), || report.files());
+    let exr = || live::layers(&ladder, &views, &imported.scene);
+    let exr = || layered::exr(Some(&ladder.trace_color), view, &exr());
+    let (layers, files) = rayon::join(exr, || report.files());
     let (layers, files) = (layers?, files?);
     files::create_folder(&path)?;
     files::write_bytes_atomic(&path.join("layers.exr"), &layers)?;
@@ -148,10 +158,22 @@ fn error(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
     figure(magnitude_map(*width, *height, data, Reduction::Largest))
 }
 
+/// The ladder, and the views beside it.
+fn climb<R: Real>(
+    scene: &Scene,
+    options: &decompose::Options,
+    step: &(dyn Fn(&str) + Sync),
+) -> Result<(Ladder, Views), Error> {
+    let ladder = decompose::<R>(scene, options, step)?;
+    let views = decompose::views::<R>(scene, options, &ladder, step)?;
+    Ok((ladder, views))
+}
+
 /// A scene and its ladder, on the way to a report.
 struct Comparison<'a> {
     imported: &'a Imported,
     ladder: &'a Ladder,
+    live: &'a live::Source<'a>,
 }
 
 impl Comparison<'_> {
@@ -178,6 +200,7 @@ impl Comparison<'_> {
             summary: self.summary(start, render_seconds)?,
             notes: [&self.imported.notes[..], &self.ladder.notes].concat(),
             settings,
+            live: self.live.pack(view)?,
         })
     }
 
@@ -211,14 +234,6 @@ impl Comparison<'_> {
         let sums = (0..4).map(|kinds| partial_sum(local, lights, kinds));
         let traced = [6, 7, 8].map(|rung| to_f32(&self.ladder.rungs[rung]));
         Term::ALL.into_iter().zip(sums.chain(traced)).collect()
-    }
-
-    /// `layers.exr`: the traced picture, its layers, and the rasterizer's under `raster.*`.
-    fn layers(&self, view: View) -> Result<Vec<u8>, Error> {
-        let ladder = self.ladder;
-        let mut all = named("", &ladder.trace_layers);
-        all.extend(named("raster.", &ladder.raster_layers));
-        layered::exr(Some(&ladder.trace_color), view, &all)
     }
 
     fn summary(&self, start: Instant, render_seconds: f64) -> Result<Summary, Error> {
@@ -278,7 +293,7 @@ pub(super) fn quoted(arg: &str) -> String {
     if !arg.is_empty() && arg.chars().all(plain) {
         arg.to_owned()
     } else {
-        format!("'{arg}'")
+        format!("'{}'", arg.replace('\'', "'\\''"))
     }
 }
 
@@ -336,17 +351,6 @@ fn partial_sum(layers: &Layers<f32>, lights: usize, kinds: usize) -> Plane<[f32;
     }
 }
 
-/// The layers with a prefix to their names.
-fn named<'a>(prefix: &str, layers: &'a Layers<f32>) -> Vec<NamedLayer<'a>> {
-    let pairs = layers.names.iter().zip(&layers.planes);
-    pairs
-        .map(|(name, plane)| NamedLayer {
-            name: format!("{prefix}{name}"),
-            plane,
-        })
-        .collect()
-}
-
 fn counters(ladder: &Ladder) -> serde_json::Map<String, Value> {
     let mut all = serde_json::Map::new();
     all.insert("triangles".into(), json!(ladder.triangles));
@@ -395,7 +399,7 @@ mod tests {
             heard.fetch_add(1, Ordering::Relaxed);
         };
         decompose::<f32>(&scene, &options, &step).expect("climbs");
-        // The report is the step after the ladder's.
-        assert_eq!(heard.into_inner() + 1, STEPS);
+        // The views beside the ladder, and the report, are the steps after the ladder's.
+        assert_eq!(heard.into_inner() + 2, STEPS);
     }
 }

@@ -12,6 +12,7 @@ mod explain;
 mod extremes;
 mod inspect;
 mod lecture;
+mod live;
 #[cfg(feature = "opengl")]
 mod opengl;
 #[cfg(not(feature = "opengl"))]
@@ -24,6 +25,7 @@ mod render;
 mod series;
 mod sheet;
 mod show;
+mod telling;
 mod trade;
 mod verify;
 mod watch;

@@ -24,9 +24,11 @@
 
 mod agreement;
 mod masks;
+mod views;
 
 pub use agreement::{Agreement, Coverage};
 pub use masks::silhouette;
+pub use views::{Shaded, Views, views};
 
 use std::time::Instant;
 
@@ -116,7 +118,7 @@ pub struct Ladder {
     pub raster_layers: Layers<f32>,
     /// Primary hits on the true shapes, unshadowed: the layers of rung 5.
     pub local_layers: Layers<f32>,
-    /// The tracer's layers: the picture of rung 8.
+    /// The tracer's layers: the picture of rung 8, with reflection and refraction split by light where memory allows.
     pub trace_layers: Layers<f32>,
     /// The tracer's unclamped picture in f32, as float files hold it.
     pub trace_color: Plane<[f32; 3]>,
@@ -389,7 +391,7 @@ impl Climb<'_> {
             return plan.draw_pixel(options, pixel);
         }
         let start = Instant::now();
-        let (frame, counters) = plan.draw(options)?;
+        let (frame, counters) = draw_layers(plan, self.scene, options)?;
         let seconds = start.elapsed().as_secs_f64();
         self.work.push(Work {
             rungs,
@@ -398,6 +400,23 @@ impl Climb<'_> {
             seconds,
         });
         Ok(frame)
+    }
+}
+
+/// Traces; layers come with reflection and refraction split by light, unless that would fill the memory.
+fn draw_layers<R: Real>(
+    plan: &trace::Plan<'_, R>,
+    scene: &Scene,
+    options: &trace::Options,
+) -> Result<(Frame<R>, trace::Counters), Error> {
+    let lights = scene.enabled_lights().count();
+    let mut optics = scene.materials.iter().map(|material| &material.optics);
+    let bounces = optics.any(|o| o.is_mirror() || o.is_transmissive()) && options.depth > 0;
+    let fits = LayerIndex { lights }.splits_fit(scene.image.width, scene.image.height);
+    if options.layers && bounces && fits {
+        plan.draw_split(options)
+    } else {
+        plan.draw(options)
     }
 }
 

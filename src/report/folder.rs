@@ -19,9 +19,8 @@ use super::figures::{Panel, buildup, map, strip};
 use super::files::{create_folder, write_bytes_atomic};
 use super::formats::{png, png_of_picture};
 use super::numbers::{count, percent, value};
-use super::page::Report;
+use super::page::{Report, capital};
 use super::picture::Picture;
-use super::sections::capital;
 
 /// What the rasterized picture is.
 pub(super) const RASTER_NOTE: &str = "OpenGL's fixed-function lighting: every surface on its own";

@@ -37,10 +37,9 @@ pub mod peer;
 pub mod picture;
 pub mod pixel;
 pub mod prose;
-mod sections;
 pub mod summary;
 pub mod text;
 pub mod topic;
 pub mod trade;
 
-pub use page::{NamedPlane, Report};
+pub use page::{Live, NamedPlane, Report};

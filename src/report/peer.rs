@@ -208,7 +208,7 @@ impl PeerReport {
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="generator" content="rastray";
                     title { (self.title) " · rastray against OpenGL" }
-                    style { (PreEscaped(style(include_str!("page.css")))) }
+                    style { (PreEscaped(style(include_str!("page/page.css")))) }
                 }
                 body {
                     header {

@@ -76,7 +76,7 @@ pub use shadow::Lamp;
 pub use surface::Surfaces;
 
 use crate::error::Error;
-use crate::frame::{Frame, LayerIndex, Layers};
+use crate::frame::{Frame, LayerIndex, Layers, Plane};
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::lighting::{self, Rig, Rounded};
@@ -336,11 +336,28 @@ impl<'a, R: Real> Plan<'a, R> {
         self.draw_tiles(options, TILE)
     }
 
+    /// [`Self::draw`], where the layers asked for also hold reflection and refraction split by light.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_split(&self, options: &Options) -> Result<(Frame<R>, Counters), Error> {
+        self.draw_parts(options, TILE, true)
+    }
+
     /// [`Self::draw`] with another tile size; the bytes are the same.
     ///
     /// # Errors
     /// As [`Self::draw`].
     pub fn draw_tiles(&self, options: &Options, side: u32) -> Result<(Frame<R>, Counters), Error> {
+        self.draw_parts(options, side, false)
+    }
+
+    fn draw_parts(
+        &self,
+        options: &Options,
+        side: u32,
+        split: bool,
+    ) -> Result<(Frame<R>, Counters), Error> {
         let image = &self.scene.image;
         if options.layers {
             let lights = self.lamps.len();
@@ -349,7 +366,7 @@ impl<'a, R: Real> Plan<'a, R> {
         let areas = areas(image.width, image.height, side.max(1));
         let tiles: Vec<_> = areas
             .into_par_iter()
-            .map(|area| tile::draw(self, options, area))
+            .map(|area| tile::draw(self, options, area, split))
             .collect();
         let (width, height) = (
             self.scene.image.width as usize,
@@ -358,7 +375,13 @@ impl<'a, R: Real> Plan<'a, R> {
         let mut frame = Frame::empty(width, height);
         if options.layers {
             let names = self.scene.light_names();
-            frame.layers = Some(Layers::zero(&names, width, height, self.signed));
+            let mut layers = Layers::zero(&names, width, height, self.signed);
+            if split {
+                let lights = self.lamps.len();
+                let black = Plane::filled(width, height, [R::ZERO; 3]);
+                layers.splits = vec![black; LayerIndex { lights }.splits()];
+            }
+            frame.layers = Some(layers);
         }
         let (nodes, leaves) = self.surfaces.hierarchy_size();
         let mut counters = Counters {
@@ -387,7 +410,7 @@ impl<'a, R: Real> Plan<'a, R> {
             width: 1,
             height: 1,
         };
-        let mut tile = tile::draw(self, options, area)?;
+        let mut tile = tile::draw(self, options, area, false)?;
         let mut frame = Frame::empty(1, 1);
         if options.layers {
             frame.layers = Some(Layers::zero(&self.scene.light_names(), 1, 1, self.signed));
@@ -468,7 +491,9 @@ fn place<R: Real>(frame: &mut Frame<R>, tile: &TileFrame<R>) {
         frame.primitive.data[to.clone()].copy_from_slice(&tile.primitive[from.clone()]);
         frame.object.data[to.clone()].copy_from_slice(&tile.object[from.clone()]);
         if let Some(layers) = &mut frame.layers {
-            for (plane, layer) in layers.planes.iter_mut().zip(&tile.layers) {
+            let planes = layers.planes.iter_mut().zip(&tile.layers);
+            let splits = layers.splits.iter_mut().zip(&tile.splits);
+            for (plane, layer) in planes.chain(splits) {
                 plane.data[to.clone()].copy_from_slice(&layer[from.clone()]);
             }
         }

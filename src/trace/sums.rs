@@ -9,6 +9,17 @@ use crate::frame::{LayerIndex, remainder, sum_in_order};
 use crate::lanes::Real;
 use crate::sampling;
 
+/// What is kept beside the colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keep {
+    /// Nothing.
+    Color,
+    /// The layers.
+    Layers,
+    /// The layers, and reflection and refraction split by light.
+    Split,
+}
+
 /// The sums of one sample of every pixel.
 pub(super) struct Sums<R> {
     /// Local light, added up: used where no single terms are kept.
@@ -17,6 +28,8 @@ pub(super) struct Sums<R> {
     pub(super) terms: Vec<Vec<[R; 3]>>,
     /// Reflection and refraction. Values of `R`, or of f64 where colours are signed.
     bounced: [Vec<[f64; 3]>; 2],
+    /// The same split by light, where asked for.
+    splits: Vec<Vec<[f64; 3]>>,
     /// Secondary rays of each pixel.
     pub(super) rays: Vec<u32>,
     signed: bool,
@@ -24,13 +37,20 @@ pub(super) struct Sums<R> {
 
 impl<R: Real> Sums<R> {
     /// Nothing yet. Single terms are kept for layers, and where signed colours make their order of rounding matter.
-    pub(super) fn new(pixels: usize, index: LayerIndex, layers: bool, signed: bool) -> Self {
+    pub(super) fn new(pixels: usize, index: LayerIndex, keep: Keep, signed: bool) -> Self {
+        let layers = keep != Keep::Color;
+        let splits = if keep == Keep::Split {
+            index.splits()
+        } else {
+            0
+        };
         let terms = if layers || signed { index.local() } else { 0 };
         let black = || vec![[R::ZERO; 3]; pixels];
         Self {
             local: black(),
             terms: (0..terms).map(|_| black()).collect(),
             bounced: [vec![[0.0; 3]; pixels], vec![[0.0; 3]; pixels]],
+            splits: vec![vec![[0.0; 3]; pixels]; splits],
             rays: vec![0; pixels],
             signed,
         }
@@ -47,7 +67,7 @@ impl<R: Real> Sums<R> {
         for term in &mut self.terms {
             term.fill([R::ZERO; 3]);
         }
-        for bounced in &mut self.bounced {
+        for bounced in self.bounced.iter_mut().chain(&mut self.splits) {
             bounced.fill([0.0; 3]);
         }
         self.rays.fill(0);
@@ -55,18 +75,20 @@ impl<R: Real> Sums<R> {
 
     /// Adds weight x value to reflection (0) or refraction (1) of a pixel.
     pub(super) fn add(&mut self, layer: usize, pixel: usize, weight: [f64; 3], value: [R; 3]) {
-        let sum = &mut self.bounced[layer][pixel];
-        for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
-            let next = if self.signed {
-                *s + w * x.to_f64()
-            } else {
-                (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
-            };
-            // Weights above 1 may grow beyond `R`: infinity times 0, or less infinity, has no value and counts as 0.
-            if !next.is_nan() {
-                *s = next;
-            }
+        add_weighted(&mut self.bounced[layer][pixel], weight, value, self.signed);
+    }
+
+    /// Adds the same to its part, where parts are kept.
+    pub(super) fn add_split(&mut self, part: usize, pixel: usize, weight: [f64; 3], value: [R; 3]) {
+        if let Some(part) = self.splits.get_mut(part) {
+            add_weighted(&mut part[pixel], weight, value, self.signed);
         }
+    }
+
+    /// The parts of a pixel's reflection and refraction.
+    fn parts(&self, pixel: usize) -> impl Iterator<Item = [R; 3]> {
+        let parts = self.splits.iter();
+        parts.map(move |part| part[pixel].map(R::from_f64))
     }
 
     /// The colour of a pixel's sample, and the bounced layers as they count in it.
@@ -88,6 +110,7 @@ pub(super) struct Mean {
     samples: u32,
     color: Vec<[f64; 3]>,
     layers: Vec<Vec<[f64; 3]>>,
+    splits: Vec<Vec<[f64; 3]>>,
 }
 
 impl Mean {
@@ -99,6 +122,7 @@ impl Mean {
             samples,
             color: zero(),
             layers: out.layers.iter().map(|_| zero()).collect(),
+            splits: out.splits.iter().map(|_| zero()).collect(),
         }
     }
 
@@ -122,6 +146,13 @@ impl Mean {
                     add_to(&mut self.layers[k][pixel], value);
                 }
             }
+            for (k, value) in sums.parts(pixel).enumerate() {
+                if self.samples == 1 {
+                    out.splits[k][pixel] = value;
+                } else {
+                    add_to(&mut self.splits[k][pixel], value);
+                }
+            }
         }
     }
 
@@ -141,9 +172,29 @@ impl Mean {
                 *value = sampling::resolve(*sum, self.samples);
             }
         }
+        for (part, sums) in out.splits.iter_mut().zip(&self.splits) {
+            for (value, sum) in part.iter_mut().zip(sums) {
+                *value = sampling::resolve(*sum, self.samples);
+            }
+        }
         for (pixel, rest) in rest.iter_mut().enumerate() {
             let layers = named.iter().map(|layer| layer[pixel]);
             *rest = remainder(out.color[pixel], layers, signed);
+        }
+    }
+}
+
+/// Adds weight x value: in `R`, or in f64 where colours are signed.
+fn add_weighted<R: Real>(sum: &mut [f64; 3], weight: [f64; 3], value: [R; 3], signed: bool) {
+    for ((s, w), x) in sum.iter_mut().zip(weight).zip(value) {
+        let next = if signed {
+            *s + w * x.to_f64()
+        } else {
+            (R::from_f64(*s) + R::from_f64(w) * x).to_f64()
+        };
+        // Weights above 1 may grow beyond `R`: infinity times 0, or less infinity, has no value and counts as 0.
+        if !next.is_nan() {
+            *s = next;
         }
     }
 }

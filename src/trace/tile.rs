@@ -14,7 +14,7 @@ use super::media::{AIR, Media, MediaId};
 use super::ray::{Hit, NO_ITEM, Ray};
 use super::record::Record;
 use super::shadow::Shadows;
-use super::sums::{Mean, Sums};
+use super::sums::{Keep, Mean, Sums};
 use super::surface::Site;
 use super::{Counters, MAX_RAYS, Options, Plan};
 use crate::error::Error;
@@ -48,6 +48,8 @@ pub(super) struct TileFrame<R> {
     pub(super) object: Vec<u32>,
     /// One list a layer, if they were asked for.
     pub(super) layers: Vec<Vec<[R; 3]>>,
+    /// Reflection and refraction by light, if they were asked for.
+    pub(super) splits: Vec<Vec<[R; 3]>>,
     pub(super) counters: Counters,
 }
 
@@ -82,8 +84,14 @@ pub(super) fn draw<R: Real>(
     plan: &Plan<'_, R>,
     options: &Options,
     area: Area,
+    split: bool,
 ) -> Result<TileFrame<R>, Error> {
-    let mut tile = Tile::new(plan, options, area);
+    let keep = match (options.layers, split) {
+        (false, _) => Keep::Color,
+        (true, false) => Keep::Layers,
+        (true, true) => Keep::Split,
+    };
+    let mut tile = Tile::new(plan, options, area, keep);
     tile.draw()?;
     Ok(tile.out)
 }
@@ -107,7 +115,7 @@ pub(super) fn record<R: Real>(
         width: 1,
         height: 1,
     };
-    let mut tile = Tile::new(plan, &options, area);
+    let mut tile = Tile::new(plan, &options, area, Keep::Layers);
     tile.start = start.map(|ray| (ray, Inside::around(plan.scene, &ray)));
     tile.record = Some(Box::new(record));
     tile.draw()?;
@@ -116,13 +124,22 @@ pub(super) fn record<R: Real>(
 }
 
 impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
-    fn new(plan: &'p Plan<'a, R>, options: &'p Options, area: Area) -> Self {
+    fn new(plan: &'p Plan<'a, R>, options: &'p Options, area: Area, keep: Keep) -> Self {
         let pixels = (area.width * area.height) as usize;
         let index = LayerIndex {
             lights: plan.lamps.len(),
         };
         let signed = plan.signed;
-        let layers = if options.layers { index.count() } else { 0 };
+        let layers = if keep == Keep::Color {
+            0
+        } else {
+            index.count()
+        };
+        let splits = if keep == Keep::Split {
+            index.splits()
+        } else {
+            0
+        };
         let black = || vec![[R::ZERO; 3]; pixels];
         Self {
             plan,
@@ -135,7 +152,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             touching: Vec::new(),
             batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
             counters: Counters::default(),
-            sums: Sums::new(pixels, index, options.layers, signed),
+            sums: Sums::new(pixels, index, keep, signed),
             eye_rays: Vec::new(),
             start: None,
             record: None,
@@ -146,6 +163,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 primitive: vec![NONE; pixels],
                 object: vec![NONE; pixels],
                 layers: (0..layers).map(|_| black()).collect(),
+                splits: (0..splits).map(|_| black()).collect(),
                 counters: Counters::default(),
             },
         }
@@ -424,17 +442,24 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         }
         self.batches = batches;
         let background = self.plan.scene.background().map(R::from_f64);
+        let index = LayerIndex {
+            lights: self.plan.lamps.len(),
+        };
         for (i, path) in paths.iter().enumerate() {
             let layer = usize::from(path.branch == Branch::Refraction);
             let pixel = path.pixel as usize;
             if sites[i].is_none() {
+                let part = index.split(layer, index.lights);
                 self.sums.add(layer, pixel, path.weight, background);
+                self.sums.add_split(part, pixel, path.weight, background);
                 continue;
             }
             let (number, slot) = (places[i].0 as usize, places[i].1 as usize);
-            for term in &shaded[number] {
+            for (k, term) in shaded[number].iter().enumerate() {
                 let value = [term[0][slot], term[1][slot], term[2][slot]];
+                let part = index.split(layer, index.light_of(k));
                 self.sums.add(layer, pixel, path.weight, value);
+                self.sums.add_split(part, pixel, path.weight, value);
             }
         }
     }

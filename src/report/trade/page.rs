@@ -19,7 +19,7 @@ impl TradeReport {
     pub(super) fn to_html(&self) -> Result<String, Error> {
         let trade = &self.trade;
         let [w, h] = trade.size;
-        let sheet = [include_str!("../page.css"), include_str!("trade.css")].concat();
+        let sheet = [include_str!("../page/page.css"), include_str!("trade.css")].concat();
         let page = html! {
             (DOCTYPE)
             html lang="en" {

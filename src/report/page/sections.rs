@@ -1,16 +1,15 @@
 //! The page's sections that are mostly words and tables: the verdict, causes, agreement, numbers, work, origin.
 
 use maud::{Markup, html};
-use rastray_compare::Map;
 use serde_json::{Map as Object, Value};
 
+use super::parts::{label, legend, map_overview};
+use super::{Live, Report};
 use crate::error::Error;
-
-use super::causes::{ORDER, explanation, figures, result};
-use super::equation::Term;
-use super::numbers::{count, duration, percent, value};
-use super::page::{Report, label, legend, map_picture};
-use super::summary::{Cause, Summary};
+use crate::report::causes::{explanation, figures};
+use crate::report::equation::Term;
+use crate::report::numbers::{count, duration, percent, value};
+use crate::report::summary::Summary;
 
 /// The result in a sentence or two.
 pub(super) fn verdict(report: &Report) -> String {
@@ -43,106 +42,28 @@ pub(super) fn verdict(report: &Report) -> String {
     )
 }
 
-/// Every cause: a table of shares, then a map and an explanation each.
-pub(super) fn causes(report: &Report) -> Result<Markup, Error> {
-    let causes = &report.summary.causes;
-    let articles = causes
-        .iter()
-        .zip(&report.cause_maps)
-        .enumerate()
-        .map(|(i, (cause, map))| article(i, cause, map, report.pixels()))
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(html! {
-        section {
-            h2 { "Why they differ" }
-            p { (ORDER) " " (residual(&report.summary)) }
-            (shares(causes, report.pixels()))
-            div.grid.three { @for article in &articles { (article) } }
-        }
-    })
-}
-
-/// That the causes add up, or by how much they do not.
-fn residual(summary: &Summary) -> String {
-    let mut text = match summary.residual_max {
-        0.0 => "They add up to the whole difference exactly: the residual is 0.".to_owned(),
-        r => format!("They miss the whole difference by at most {}.", value(r)),
-    };
-    if summary.limited_pixels > 0 {
-        let n = count(summary.limited_pixels);
-        text += &format!(" {n} pixels hold values beyond 2²⁰ and were limited to that.");
-    }
-    text
-}
-
-/// The table of causes, with bars for rmse.
-fn shares(causes: &[Cause], pixels: usize) -> Markup {
-    let largest = causes.iter().map(|c| c.rmse).fold(0.0, f64::max);
-    let bar = |c: &Cause| {
-        if largest > 0.0 {
-            100.0 * c.rmse / largest
-        } else {
-            0.0
-        }
-    };
+/// What each cause is, with its numbers.
+pub(super) fn explanations(summary: &Summary, pixels: usize) -> Markup {
     html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th scope="col" { "cause" }
-                        th scope="col" colspan="2" { "rmse" }
-                        th.number scope="col" { "max" }
-                        th.number scope="col" { "pixels" }
-                        th.number scope="col" { "share of pixels" }
-                    }
-                }
-                tbody {
-                    @for c in causes {
-                        tr {
-                            th scope="row" { (c.name) }
-                            td.bar aria-hidden="true" {
-                                @if c.rmse > 0.0 { i style={ "width:" (format!("{:.2}", bar(c))) "%" } {} }
-                            }
-                            td.number { (value(c.rmse)) }
-                            td.number { (value(c.max)) }
-                            td.number { (count(c.pixels)) }
-                            td.number { (percent(c.pixels, pixels)) }
-                        }
+        section.explanations {
+            h2 { "What each cause is" }
+            dl {
+                @for (i, cause) in summary.causes.iter().enumerate() {
+                    @let known = explanation(&cause.name);
+                    dt { span.number { (i + 1) } (cause.name)
+                        @if let Some(term) = Term::of_name(&cause.name) { " " span.symbol { (label(term)) } } }
+                    dd {
+                        @if let Some(known) = known { (capital(known.step)) ". " (known.text) " " }
+                        span.result { (capital(&figures(cause, pixels))) }
                     }
                 }
             }
         }
     }
-}
-
-/// One cause: its map, its numbers, what it means.
-fn article(index: usize, cause: &Cause, map: &Map, pixels: usize) -> Result<Markup, Error> {
-    let sentence = result(cause, pixels);
-    let known = explanation(&cause.name);
-    let image = match cause.pixels {
-        0 => html! { div.nothing { "no difference" } },
-        _ => html! {
-            (map_picture(map, &format!("Map of the step {sentence}"))?)
-            (legend(&map.scale))
-        },
-    };
-    Ok(html! {
-        article {
-            h3 {
-                span { (index + 1) }
-                (cause.name)
-                @if let Some(term) = Term::of_name(&cause.name) { span.symbol { (label(term)) } }
-            }
-            (image)
-            @if cause.pixels > 0 { p.result { (figures(cause, pixels)) } }
-            @if let Some(known) = known { p.why { (capital(known.step)) ". " (known.text) } }
-        }
-    })
 }
 
 /// The sentence with a capital.
-pub(super) fn capital(text: &str) -> String {
+pub(in crate::report) fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars
         .next()
@@ -241,19 +162,19 @@ pub(super) fn numbers(report: &Report) -> Result<Markup, Error> {
             }
             div.grid.half {
                 figure {
-                    (map_picture(&report.error, &alt)?)
+                    (map_overview(&report.error, 480, &alt)?)
                     figcaption { strong { "error" } "Magnitude of trace − raster: the lighter, the larger." }
                     (legend(&report.error.scale))
                 }
             }
-            (methods())
         }
     })
 }
 
 /// How each number was obtained.
-fn methods() -> Markup {
+pub(super) fn methods(live: &Live) -> Markup {
     html! {
+        section.methods {
             h2 { "How each number was obtained" }
             dl {
                 dt { "causes" }
@@ -266,9 +187,25 @@ fn methods() -> Markup {
                 dd { "Nearest rank over the absolute differences of single values, three a pixel." }
                 dt { "maps" }
                 dd { "Each pixel shows its channel of largest difference, on a linear scale that ends at the next 1, 2 or 5 times a power of ten. Exactly the pixels without difference are white." }
+                dt { "shares" }
+                dd { "Squared rmse of a cause over the sum of the squared rmse of all." }
+                dt { "moving pictures" }
+                dd {
+                    "Rungs 0 and 9 are the stored 8-bit values. All other pictures and layers are half floats: 11 significant bits, "
+                    "below 1/8 steps of 2⁻¹³. Differences finer than that show as none here, and count in the numbers above."
+                }
+                @if let Some(error) = live.mix_error {
+                    dt { "mixer" }
+                    dd {
+                        "A mix is off from the sum of the float layers by at most " (value(f64::from(error)))
+                        " times the larger of 1 and its largest layer: the rounding of all layers, added up at every pixel for the worst "
+                        "choice of switches and strengths up to 2, when this page was made."
+                    }
+                }
                 dt { "agreement" }
                 dd { "Rungs 3 and 4: more than 1/256 pixel away from triangle edges and from jumps of the model (spot cones, the specular gate, texel borders, coinciding surfaces)." }
             }
+        }
     }
 }
 
@@ -276,7 +213,7 @@ fn methods() -> Markup {
 pub(super) fn work(summary: &Summary) -> Markup {
     html! {
         @if !summary.counters.is_empty() || !summary.seconds.is_empty() {
-            section {
+            section.work-done {
                 h2 { "Work and time" }
                 details { summary { "Counters and seconds of each rung" } div.columns {
                     (object_table("Work counts", &summary.counters, |n| n.as_u64().map(|n| count(n as usize))))
@@ -342,7 +279,7 @@ pub(super) fn origin(report: &Report) -> Markup {
             h2 { "How this was made" }
             pre { code { (report.command) } }
             @if !report.settings.is_empty() {
-                dl { @for (name, setting) in &report.settings { dt { (name) } dd { (setting) } } }
+                dl.settings { @for (name, setting) in &report.settings { dt { (name) } dd { (setting) } } }
             }
             h2 { "Notes on the scene" }
             @if report.notes.is_empty() {
@@ -384,18 +321,6 @@ mod tests {
                 "rays.primary",
                 "rays.shadow"
             ]
-        );
-    }
-
-    #[test]
-    fn a_residual_is_told() {
-        let mut summary = example().summary;
-        assert!(residual(&summary).contains("exactly"));
-        (summary.residual_max, summary.limited_pixels) = (0.5, 1234);
-        let text = residual(&summary);
-        assert!(
-            text.contains("at most 0.5") && text.contains("1,234 pixels"),
-            "{text}"
         );
     }
 }
