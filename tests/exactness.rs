@@ -845,6 +845,19 @@ fn mirrors_facing_each_other_for_ten_thousand_bounces() {
     }
 }
 
+/// A weight of 0.9^6723 is below the smallest normal number, and counts as 0: the path ends there, not at the depth.
+#[test]
+fn a_weight_that_underflows_ends_its_path() {
+    let scene = between_mirrors(0.9, 1 << 20);
+    let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
+    let options = trace::Options::of(&scene, Isa::detect());
+    let (frame, counters) = plan(&scene, &assembly).draw(&options).expect("drawn");
+    assert_eq!(counters.rays.reflection, 48 * 6723);
+    for x in frame.color.data.iter().flatten() {
+        assert!((x - 2.5).abs() <= 100.0 * f64::EPSILON, "{x}");
+    }
+}
+
 /// Two branches a hit: the tree would have 2^depth rays, and ends in an error that says where and what to do.
 #[test]
 fn trees_that_run_away_end_in_an_error() {

@@ -153,8 +153,11 @@ impl Fork<'_> {
         branch: Branch,
         media: MediaId,
     ) -> Option<Path> {
-        // Weights above 1 saturate, so that a later factor of 0 still makes 0.
-        let weight = [0, 1, 2].map(|c| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX));
+        // Weights above 1 saturate, so that a later factor of 0 still makes 0; those that lose their digits are 0, for the smallest
+        // number times 0.9 rounds to itself and would never end.
+        let product = |c: usize| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX);
+        let weight = [0, 1, 2].map(product);
+        let weight = weight.map(|w| if w.is_subnormal() { 0.0 } else { w });
         let cutoff = self.settings.weight_cutoff;
         if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
             return None;
