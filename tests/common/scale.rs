@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use rastray::scene::{Geometry, LightSpace, Projection, Scene, Shape};
+use rastray::scene::{Geometry, Mesh, Projection, Scene, Shape};
 
-/// Every length of a scene times `k`: shapes, meshes, places, lights, camera. Angles, colours and attenuation stay.
+/// Every length of a scene times `k`: shapes, meshes, places, lights and their attenuation, camera. Angles and colours stay.
 pub(crate) fn scaled(scene: &Scene, k: f64) -> Scene {
     let mut scene = scene.clone();
     let camera = &mut scene.camera;
@@ -15,22 +15,33 @@ pub(crate) fn scaled(scene: &Scene, k: f64) -> Scene {
     if let Projection::Orthographic { height } = &mut camera.projection {
         *height *= k;
     }
+    // Objects that share a mesh share the scaled one.
+    let mut meshes: Vec<(Arc<Mesh>, Arc<Mesh>)> = Vec::new();
     for object in &mut scene.objects {
         object.world_from_object.translation *= k;
         match &mut object.geometry {
             Geometry::Shape(shape) => scale_shape(shape, k),
             Geometry::Mesh(mesh) => {
-                let mesh = Arc::make_mut(mesh);
-                mesh.positions.iter_mut().for_each(|p| *p *= k);
+                let known = meshes.iter().find(|(old, _)| Arc::ptr_eq(old, mesh));
+                let scaled = known.map(|(_, new)| Arc::clone(new));
+                let scaled = scaled.unwrap_or_else(|| {
+                    let mut new = (**mesh).clone();
+                    new.positions.iter_mut().for_each(|p| *p *= k);
+                    let new = Arc::new(new);
+                    meshes.push((Arc::clone(mesh), Arc::clone(&new)));
+                    new
+                });
+                *mesh = scaled;
             }
         }
     }
     for light in &mut scene.lights {
-        let position = &mut light.source.position;
-        assert!(light.space == LightSpace::World);
-        if position[3] != 0.0 {
-            position[..3].iter_mut().for_each(|x| *x *= k);
+        let source = &mut light.source;
+        if source.position[3] != 0.0 {
+            source.position[..3].iter_mut().for_each(|x| *x *= k);
         }
+        source.attenuation[1] /= k;
+        source.attenuation[2] /= k * k;
     }
     scene
 }
