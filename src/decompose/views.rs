@@ -115,3 +115,105 @@ fn unblocked<R: Real>(
         .map(Layers::to_f32)
         .unwrap_or_default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decompose::decompose;
+    use crate::import::{LoadOptions, load};
+    use crate::lanes::Isa;
+    use crate::scene::requirements::Model;
+
+    fn scene(samples: u32) -> Scene {
+        let mut scene = load("whitted", &LoadOptions::default())
+            .expect("a shipped scene")
+            .scene;
+        (scene.image.width, scene.image.height) = (32, 24);
+        scene.image.samples = samples;
+        scene
+    }
+
+    fn draw(scene: &Scene) -> (Ladder, Views) {
+        let options = Options {
+            level: Some(16),
+            isa: Isa::detect(),
+            model: Model::Required,
+            shadows: true,
+            reflection: true,
+            refraction: true,
+        };
+        let quiet = |_: &str| {};
+        let ladder = decompose::<f32>(scene, &options, &quiet).expect("climbs");
+        let views = views::<f32>(scene, &options, &ladder, &quiet).expect("draws");
+        (ladder, views)
+    }
+
+    #[test]
+    fn parts_by_light_add_up_to_their_layers_within_rounding() {
+        for samples in [1, 4] {
+            let scene = scene(samples);
+            let at = LayerIndex {
+                lights: scene.enabled_lights().count(),
+            };
+            let (ladder, views) = draw(&scene);
+            let free = views.unshadowed.expect("whitted has mirrors and shadows");
+            for layers in [&ladder.trace_layers, &free] {
+                assert_eq!(layers.splits.len(), at.splits());
+                let mut lit = 0;
+                for (branch, whole) in [at.reflection(), at.refraction()].into_iter().enumerate() {
+                    for (i, sum) in layers.planes[whole].data.iter().enumerate() {
+                        for c in 0..3 {
+                            let parts = (0..=at.lights)
+                                .map(|light| layers.splits[at.split(branch, light)].data[i][c]);
+                            let parts: f32 = parts.sum();
+                            let error = (parts - sum[c]).abs();
+                            assert!(error <= 1e-5 * sum[c].abs().max(1.0), "{parts} {}", sum[c]);
+                            lit += usize::from(sum[c] > 0.0);
+                        }
+                    }
+                }
+                assert!(lit > 100, "{lit}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_shadows_no_light_is_darker() {
+        let scene = scene(1);
+        let (ladder, views) = draw(&scene);
+        let free = views.unshadowed.expect("whitted has mirrors and shadows");
+        let mut brighter = 0;
+        for (lit, free) in ladder.trace_layers.planes.iter().zip(&free.planes) {
+            for (a, b) in lit.data.as_flattened().iter().zip(free.data.as_flattened()) {
+                assert!(b >= a, "{b} {a}");
+                brighter += usize::from(b > a);
+            }
+        }
+        assert!(brighter > 50, "{brighter}");
+        // And the primary hits are those of rung 5.
+        let local = 2 + 3 * scene.enabled_lights().count();
+        assert_eq!(free.planes[..local], ladder.local_layers.planes[..local]);
+    }
+
+    #[test]
+    fn the_ladders_shade_model_is_among_them() {
+        let scene = scene(1);
+        let (ladder, views) = draw(&scene);
+        let own = views
+            .shadings
+            .iter()
+            .find(|s| s.shading == scene.raster.shading)
+            .expect("all three are drawn");
+        assert_eq!(
+            own.color.map(|c| c.map(f64::from)).data.len(),
+            ladder.rungs[1].data.len()
+        );
+        for (i, color) in own.color.data.iter().enumerate() {
+            for c in 0..3 {
+                assert!((f64::from(color[c]) - ladder.rungs[1].data[i][c]).abs() < 1e-9);
+            }
+            let changed = ladder.rungs[1].data[i] != ladder.rungs[2].data[i];
+            assert!(own.clamped.data[i] || !changed, "pixel {i}");
+        }
+    }
+}
