@@ -2,7 +2,7 @@
 
 use super::pick::{Picked, added, pick, plus};
 use super::sheet::{FAINT, MARK, NAME, Sheet, cells, length, styled};
-use super::{degrees, short, triple};
+use super::{degrees, from_inside, short, triple};
 use crate::explain::{Kind, Ray, Refraction};
 use crate::math::color::Rgb;
 
@@ -173,7 +173,11 @@ fn met(ray: &Ray) -> String {
     let Some(hit) = &ray.hit else {
         return "nothing: the background".to_owned();
     };
-    let from = if hit.inside { ", from inside" } else { "" };
+    let from = if from_inside(hit) {
+        ", from inside"
+    } else {
+        ""
+    };
     format!(
         "{} ({}){from}, {} away, {}",
         styled(NAME, &hit.object),

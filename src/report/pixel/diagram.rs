@@ -4,7 +4,7 @@
 use super::paths::Line;
 use super::pick::{Picked, added};
 use super::svg::{Drawing, Point, cut};
-use super::{brief, bytes, degrees, short, triple};
+use super::{brief, bytes, degrees, from_inside, short, triple};
 use crate::explain::{Explanation, Factors, Kind, Ray};
 
 /// Width of a card.
@@ -196,7 +196,7 @@ impl<'a> Diagram<'a> {
         if let Some(number) = number {
             drawing.badge([x + 15.0, y + 15.0], number);
         }
-        let inside = ray.hit.as_ref().is_some_and(|hit| hit.inside);
+        let inside = ray.hit.as_ref().is_some_and(from_inside);
         let title = format!("{}{}", cut(name, 20), if inside { ", inside" } else { "" });
         let start = if number.is_some() { 29.0 } else { 10.0 };
         drawing.text("title", [x + start, y + 19.5], &title);

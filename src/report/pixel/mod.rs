@@ -23,6 +23,7 @@ pub use figure::figure;
 pub use paths::paths;
 pub use text::{Layout, text};
 
+use crate::explain::Hit;
 use crate::math::color::Rgb;
 
 /// A number in few characters: four decimals at most, no trailing zeros.
@@ -66,8 +67,16 @@ fn vector(v: [f64; 3]) -> String {
     format!("({} {} {})", short(x), short(y), short(z))
 }
 
+/// The ray arrives at a surface from the inside of its solid.
+fn from_inside(hit: &Hit) -> bool {
+    hit.inside && hit.back
+}
+
 /// A colour in three decimals, for a figure.
 fn brief(color: Rgb) -> String {
+    if color != [0.0; 3] && color.iter().all(|x| x.abs() < 5e-4) {
+        return "< 0.001".into();
+    }
     let round = |x: f64| {
         if x.is_finite() {
             (x * 1e3).round() / 1e3
@@ -99,6 +108,7 @@ mod tests {
         assert_eq!(short(1e-20), "0.0000");
         assert_eq!(vector([0.0, 1.0, -8e-9]), "(0 1 0)");
         assert_eq!(brief([0.12345, 0.0, 1.0]), "(0.123 0 1)");
+        assert_eq!(brief([1e-5; 3]), "< 0.001");
         assert_eq!(short(0.0), "0");
         assert_eq!(short(f64::INFINITY), "∞");
         assert_eq!(triple([0.5; 3]), "0.5");
