@@ -10,16 +10,24 @@ use rastray::frame::sum_in_order;
 use rastray::gl::ShadeModel;
 use rastray::import::{LoadOptions, load, shipped};
 use rastray::lanes::{Isa, Real};
+use rastray::report::pixel::{Layout, figure, paths, text};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
 use rastray::scene::{Camera, Scene};
 use rastray::{raster, trace};
 use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
 
+#[path = "probe/trace.rs"]
+mod probe_trace;
 #[path = "common/random.rs"]
 #[allow(dead_code, reason = "rays and vectors are for other tests")]
 mod random;
 use random::Random;
+
+/// As in the adapter.
+type Failure = Box<dyn std::error::Error>;
 
 fn scene(name: &str, size: [u32; 2], sets: &[&str]) -> Scene {
     let options = LoadOptions {
@@ -534,5 +542,273 @@ fn pixels_outside_are_refused() {
             error.contains("X from 0 to 39 and Y from 0 to 29"),
             "{error}"
         );
+    }
+}
+
+/// The text defines every symbol of its equation once, and its tree adds up to the pixel.
+#[test]
+fn text_is_for_a_first_reader() {
+    for (name, x, y) in [
+        ("whitted", 55, 70),
+        ("20-whitted-picture", 80, 60),
+        ("lights", 80, 75),
+    ] {
+        let scene = scene(name, [160, 120], &[]);
+        let explained = explained(&scene, x, y);
+        for width in [None, Some(80), Some(60)] {
+            let layout = Layout {
+                width,
+                all_rays: false,
+            };
+            let text = anstream::adapter::strip_str(&text(&scene, &explained, layout)).to_string();
+            assert!(!text.contains('\u{1b}'));
+            for symbol in [
+                "I_E",
+                "K_A, K_D, K_S",
+                "I_AL",
+                "Σ_L",
+                "S_L",
+                "I_L",
+                "K_T, I_T",
+            ] {
+                // Two characters in, and apart from its meaning.
+                let start = format!("  {symbol}  ");
+                let defined = text.lines().filter(|line| line.starts_with(&start));
+                assert_eq!(defined.count(), 1, "{symbol} in {name}");
+            }
+            for cause in CAUSES {
+                assert!(text.contains(cause), "{cause}");
+            }
+            let widest = text.lines().map(|line| line.chars().count()).max();
+            // The equation and the tree stay whole; sentences do not pass the width.
+            assert!(widest <= Some(130), "{widest:?}");
+        }
+    }
+}
+
+#[test]
+fn text_names_blockers_and_both_sides_of_an_interface() {
+    let scene = scene("whitted", [160, 120], &[]);
+    let layout = Layout::default();
+    let all: Vec<String> = [(60, 55), (40, 100), (75, 95), (110, 95), (30, 95)]
+        .iter()
+        .map(|(x, y)| text(&scene, &explained(&scene, *x, *y), layout))
+        .map(|text| anstream::adapter::strip_str(&text).to_string())
+        .collect();
+    assert!(all[0].contains("n 1 → 1.5") && all[0].contains("n 1.5 → 1"));
+    assert!(all[0].contains("from inside") && all[0].contains("one factor for every interface"));
+    assert!(
+        all.iter()
+            .any(|text| text.contains("S_L 0, blocked by glass ball"))
+    );
+    let total = all[0]
+        .lines()
+        .find(|line| line.contains("all rays together"));
+    let numbers: Vec<f64> = total
+        .expect("a total")
+        .split_whitespace()
+        .map_while(|word| word.parse().ok())
+        .collect();
+    let color = explained(&scene, 60, 55).trace.color;
+    for c in 0..3 {
+        assert!(
+            (numbers[c] - color[c]).abs() < 2e-4,
+            "{numbers:?} {color:?}"
+        );
+    }
+}
+
+/// Elements that are opened are closed, in order; text is escaped.
+fn check_xml(svg: &str) {
+    let mut open = Vec::new();
+    for part in svg.split('<').skip(1) {
+        let (tag, rest) = part.split_once('>').expect("a closed tag");
+        assert!(!rest.contains('>'), "unescaped: {rest}");
+        assert_eq!(tag.matches('"').count() % 2, 0, "quotes: {tag}");
+        let name = tag.split_whitespace().next().unwrap_or("");
+        if let Some(closed) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(closed), "{part}");
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    assert!(
+        !svg.contains("NaN") && !svg.contains("inf"),
+        "a number without a value"
+    );
+}
+
+#[test]
+fn figures_are_well_formed_for_every_scene() {
+    for shipped in shipped() {
+        let mut scene = scene(shipped.name, [64, 48], &[]);
+        for object in &mut scene.objects {
+            object.name = format!("<{}> & \"co\"", object.name);
+        }
+        let setting = Setting::new(&scene, options(Precision::F32)).expect("a scene");
+        let explainer = setting.explainer().expect("plans");
+        for (x, y) in [(32, 24), (10, 40), (0, 0)] {
+            let explained = explainer.at(x, y).expect("inside");
+            let svg = figure(&scene, &explained);
+            check_xml(&svg);
+            assert!(svg.len() < 400_000, "{}: {} bytes", shipped.name, svg.len());
+            let hits = explained
+                .trace
+                .rays
+                .iter()
+                .filter(|ray| ray.hit.is_some())
+                .count();
+            assert_eq!(
+                svg.contains("class=\"badge\""),
+                hits > 0,
+                "{}",
+                shipped.name
+            );
+        }
+    }
+}
+
+/// One line element for each ray and each shadow ray, ends where the hits are.
+#[test]
+fn ray_paths_are_the_rays() {
+    let scene = scene("whitted", [160, 120], &[]);
+    let explained = explained(&scene, 60, 55);
+    let obj = paths(&explained);
+    let vertices: Vec<[f64; 3]> = obj
+        .lines()
+        .filter_map(|line| line.strip_prefix("v "))
+        .map(|line| {
+            let numbers: Vec<f64> = line
+                .split(' ')
+                .map(|x| x.parse().expect("a number"))
+                .collect();
+            [numbers[0], numbers[1], numbers[2]]
+        })
+        .collect();
+    let rays = &explained.trace.rays;
+    let asked = |ray: &Ray| {
+        let lights = ray.terms.lights.iter().filter_map(|l| l.factors.as_ref());
+        lights.filter(|f| f.shadow.is_some()).count()
+    };
+    let count = rays.len() + rays.iter().map(asked).sum::<usize>();
+    let elements: Vec<&str> = obj.lines().filter(|line| line.starts_with("l ")).collect();
+    assert_eq!((elements.len(), vertices.len()), (count, 2 * count));
+    for ray in rays {
+        assert!(vertices.contains(&ray.origin));
+        assert!(
+            ray.hit
+                .as_ref()
+                .is_none_or(|hit| vertices.contains(&hit.point))
+        );
+    }
+    for group in ["g primary", "g reflection", "g refraction"] {
+        assert!(obj.lines().any(|line| line == group), "{group}");
+    }
+}
+
+fn rastray(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_rastray"))
+        .args(args)
+        .current_dir(folder)
+        .output()
+        .expect("runs");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let code = output.status.code().unwrap_or(-1);
+    (code, text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn the_command_says_draws_and_refuses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let small = ["explain", "whitted", "30", "27", "--size", "80x60"];
+    let with = |more: &[&'static str]| [&small[..], more].concat();
+    let (code, json, _) = rastray(path, &with(&["--json"]));
+    let value: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!((code, &value["pixel"]), (0, &serde_json::json!([30, 27])));
+    // The same numbers as the library's.
+    let scene = scene("whitted", [80, 60], &[]);
+    let setting = Setting::new(&scene, Options::default()).expect("a scene");
+    let explained = setting
+        .explainer()
+        .expect("plans")
+        .at(30, 27)
+        .expect("inside");
+    assert_eq!(value, serde_json::to_value(&explained).expect("JSON"));
+    let (code, plain, _) = rastray(path, &small);
+    assert!(code == 0 && plain.contains("The ray tree") && !plain.contains('\u{1b}'));
+    let (_, colored, _) = rastray(path, &with(&["--color", "always"]));
+    assert!(colored.contains('\u{1b}'));
+    for name in ["tree.svg", "rays.OBJ"] {
+        let (code, out, _) = rastray(path, &[&small[..], &["-o", name]].concat());
+        assert!(
+            code == 0 && out.is_empty() && path.join(name).is_file(),
+            "{name}"
+        );
+    }
+    for (args, expected) in [
+        (
+            vec!["explain", "whitted", "80", "0", "--size", "80x60"],
+            "expected X from 0 to 79",
+        ),
+        (with(&["-o", "tree.png"]), "ends in .svg or .obj"),
+        (with(&["-o", "missing/tree.svg"]), "there is no folder"),
+        (with(&["--open"]), "add -o tree.svg"),
+    ] {
+        let (code, _, message) = rastray(path, &args);
+        assert!(
+            code == 2 && message.contains(expected),
+            "{args:?}: {message}"
+        );
+    }
+    let left = std::fs::read_dir(path).expect("readable").count();
+    assert_eq!(left, 2, "nothing half-written");
+}
+
+/// `probe trace`: the `trace` object, a line each, in order; what is wrong has a line of its own.
+#[test]
+fn probe_answers_rays() {
+    let input = r#"
+{"scene": "whitted", "origin": [0.3, 2.1, 7.2], "direction": [-0.85, -0.75, -6], "depth": 2}
+{"scene": "whitted", "origin": [0.3, 2.1, 7.2], "direction": [-0.85, -0.75, -6], "depth": 0}
+{"scene": "whitted", "origin": [0, 5, 0], "direction": [0, -2, 0]}
+{"scene": "whitted", "origin": [0, 5, 0], "direction": [0, 0, 0]}
+{"scene": "no such scene", "origin": [0, 0, 0], "direction": [0, 0, 1]}
+nonsense
+"#;
+    let mut out = Vec::new();
+    let good = probe_trace::answer(input.as_bytes(), Precision::F64, &mut out).expect("readable");
+    assert!(!good);
+    let answers: Vec<Value> = String::from_utf8(out)
+        .expect("text")
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
+    assert_eq!(answers.len(), 6);
+    let [deep, flat, down] = &answers[..3] else {
+        panic!("three rays")
+    };
+    assert_eq!(deep["hit"]["object"], "glass ball");
+    assert_eq!(deep["refraction"]["eta"], serde_json::json!([1.0, 1.5]));
+    assert_eq!(
+        deep["refraction"]["ray"]["refraction"]["ray"]["depth_reached"],
+        Value::Bool(false)
+    );
+    assert!(flat["reflection"].is_null() && flat["depth_reached"] == true);
+    // Straight down onto the floor at y = 0; t counts in directions of length 2.
+    assert_eq!(down["hit"]["object"], "floor");
+    assert_eq!(
+        (&down["hit"]["t"], &down["hit"]["distance"]),
+        (&2.5.into(), &5.0.into())
+    );
+    let up = down["hit"]["normal"][1].as_f64().expect("a number");
+    assert!((up - 1.0).abs() < 1e-12);
+    for (answer, expected) in answers[3..]
+        .iter()
+        .zip(["not zero", "no such scene", "line 7"])
+    {
+        let message = answer["error"].as_str().expect("an error");
+        assert!(message.contains(expected), "{message}");
     }
 }

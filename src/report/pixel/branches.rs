@@ -2,7 +2,7 @@
 
 use super::pick::{Picked, added, pick, plus};
 use super::sheet::{FAINT, MARK, NAME, Sheet, cells, length, styled};
-use super::{degrees, short, triple};
+use super::{degrees, from_inside, short, triple};
 use crate::explain::{Kind, Ray, Refraction};
 use crate::math::color::Rgb;
 
@@ -20,11 +20,11 @@ struct Tree<'a> {
     lines: Vec<Line>,
 }
 
-/// Writes the tree; at most `most` rays in lines of their own.
-pub(super) fn rows(sheet: &mut Sheet, rays: &[Ray], most: usize) {
+/// Writes the tree; at most `most` rays that add at least `least` in lines of their own.
+pub(super) fn rows(sheet: &mut Sheet, rays: &[Ray], most: usize, least: f64) {
     let mut tree = Tree {
         rays,
-        picked: pick(rays, most),
+        picked: pick(rays, most, least),
         lines: Vec::new(),
     };
     tree.walk();
@@ -107,7 +107,7 @@ impl Tree<'_> {
             steps.push(Step::Rest(rest));
         }
         if let Some(refraction) = ray.refraction.as_ref().filter(|r| r.tir) {
-            steps.push(Step::End(total_reflection(refraction)));
+            steps.push(Step::End(format!("T {}", total_reflection(refraction))));
         }
         if ray.depth_reached {
             let text = styled(
@@ -173,9 +173,13 @@ fn met(ray: &Ray) -> String {
     let Some(hit) = &ray.hit else {
         return "nothing: the background".to_owned();
     };
-    let from = if hit.inside { ", from inside" } else { "" };
+    let from = if from_inside(hit) {
+        ", from inside"
+    } else {
+        ""
+    };
     format!(
-        "{} ({}){from}, {} away, {} to N",
+        "{} ({}){from}, {} away, {}",
         styled(NAME, &hit.object),
         hit.material,
         short(hit.distance),
@@ -183,7 +187,8 @@ fn met(ray: &Ray) -> String {
     )
 }
 
-fn total_reflection(refraction: &Refraction) -> String {
+/// Eta, the critical angle and what follows, at total internal reflection.
+pub(super) fn total_reflection(refraction: &Refraction) -> String {
     let [from, to] = refraction.eta;
     let critical = libm::asin((to / from).min(1.0)).to_degrees();
     let what = if refraction.fresnel > 0.0 {
@@ -192,7 +197,7 @@ fn total_reflection(refraction: &Refraction) -> String {
         "I_T = 0"
     };
     let text = format!(
-        "T total internal reflection: n {} → {} beyond {}, so {what}",
+        "total internal reflection: n {} → {} beyond {}, so {what}",
         short(from),
         short(to),
         degrees(critical)

@@ -4,11 +4,11 @@
 use super::paths::Line;
 use super::pick::{Picked, added};
 use super::svg::{Drawing, Point, cut};
-use super::{bytes, degrees, short, triple};
+use super::{brief, bytes, degrees, from_inside, short, triple};
 use crate::explain::{Explanation, Factors, Kind, Ray};
 
 /// Width of a card.
-const CARD: f64 = 196.0;
+const CARD: f64 = 204.0;
 /// Between two cards.
 const GAP: f64 = 18.0;
 /// Between two generations.
@@ -16,7 +16,7 @@ const EDGE: f64 = 46.0;
 /// Height of a row on a card.
 const ROW: f64 = 15.0;
 /// Characters that a row holds.
-const LETTERS: usize = 29;
+const LETTERS: usize = 31;
 
 /// What a row on a card begins with.
 enum Sign {
@@ -38,7 +38,8 @@ struct Card {
 
 impl Card {
     fn height(&self) -> f64 {
-        46.0 + ROW * self.rows.len() as f64
+        let rows = self.rows.len() as f64;
+        46.0 + if rows > 0.0 { ROW * rows + 5.0 } else { 0.0 }
     }
 
     fn bottom(&self) -> Point {
@@ -77,12 +78,17 @@ impl<'a> Diagram<'a> {
         diagram
     }
 
-    /// For each ray the number on its card.
+    /// For each ray with a card its number: hits are counted, the background has none.
     pub(super) fn numbers(&self) -> Vec<Option<usize>> {
-        self.card_of
-            .iter()
-            .map(|card| card.map(|c| c + 1))
-            .collect()
+        let rays = self.e.trace.rays.iter().zip(&self.card_of);
+        let mut count = 0;
+        rays.map(|(ray, card)| {
+            (card.is_some() && ray.hit.is_some()).then(|| {
+                count += 1;
+                count
+            })
+        })
+        .collect()
     }
 
     /// Leaves side by side, parents above the middle of their children; generations in rows.
@@ -142,8 +148,9 @@ impl<'a> Diagram<'a> {
         drawing.circle("eye", eye, 7.0);
         drawing.circle("pupil", eye, 3.0);
         drawing.text("small", [eye[0] + 14.0, eye[1] + 4.0], "eye");
-        for (i, card) in self.cards.iter().enumerate() {
-            self.card(&mut drawing, card, i + 1);
+        let numbers = self.numbers();
+        for card in &self.cards {
+            self.card(&mut drawing, card, numbers[card.ray]);
         }
         drawing
     }
@@ -165,6 +172,12 @@ impl<'a> Diagram<'a> {
         });
         let text = format!("{label} × {}", triple(weight.unwrap_or([1.0; 3])));
         let middle = [0, 1].map(|k| f64::midpoint(from[k], to[k]));
+        let width = 7.2 * text.chars().count() as f64 + 6.0;
+        drawing.push(&format!(
+            "<rect class=\"edge-back\" x=\"{:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"17\" rx=\"3\"/>",
+            middle[0] - width / 2.0,
+            middle[1] - 8.5
+        ));
         drawing.text(
             &format!("edge-label {}", line.name()),
             [middle[0], middle[1] + 4.0],
@@ -172,7 +185,7 @@ impl<'a> Diagram<'a> {
         );
     }
 
-    fn card(&self, drawing: &mut Drawing, card: &Card, number: usize) {
+    fn card(&self, drawing: &mut Drawing, card: &Card, number: Option<usize>) {
         let ray = &self.e.trace.rays[card.ray];
         let [x, y] = [card.top[0] - CARD / 2.0, card.top[1]];
         drawing.push(&format!(
@@ -180,19 +193,19 @@ impl<'a> Diagram<'a> {
             card.height()
         ));
         let name = ray.hit.as_ref().map_or("background", |hit| &hit.object);
-        if ray.hit.is_some() {
+        if let Some(number) = number {
             drawing.badge([x + 15.0, y + 15.0], number);
         }
-        let inside = ray.hit.as_ref().is_some_and(|hit| hit.inside);
+        let inside = ray.hit.as_ref().is_some_and(from_inside);
         let title = format!("{}{}", cut(name, 20), if inside { ", inside" } else { "" });
-        let start = if ray.hit.is_some() { 29.0 } else { 10.0 };
+        let start = if number.is_some() { 29.0 } else { 10.0 };
         drawing.text("title", [x + start, y + 19.5], &title);
         let adds = added(ray);
         drawing.swatch([x + 10.0, y + 28.0], [12.0, 10.0], bytes(adds));
         drawing.text(
             "small",
             [x + 29.0, y + 37.0],
-            &format!("adds {}", triple(adds)),
+            &format!("adds {}", brief(adds)),
         );
         for (i, (sign, text)) in card.rows.iter().enumerate() {
             let middle = [x + 24.0, y + 46.0 + ROW * (i as f64 + 0.45)];
@@ -238,7 +251,7 @@ fn rows(e: &Explanation, ray: &Ray, children: &[usize], picked: &Picked) -> Vec<
         rows.push((
             Sign::None,
             match refraction.angle_deg {
-                None => format!("T: total reflection, n {from} → {to}"),
+                None => format!("total reflection, n {from} → {to}"),
                 Some(angle) if from != to => format!(
                     "n {from} → {to}, {} → {}",
                     degrees(hit.incidence_deg),

@@ -12,7 +12,9 @@ use crate::explain::Explanation;
 use crate::scene::Scene;
 
 /// Cards that the tree has at most.
-const CARDS: usize = 14;
+const CARDS: usize = 12;
+/// What a ray with a card adds at least: half a step of 8 bits.
+const LEAST: f64 = 1.0 / 510.0;
 /// Around and between the two parts.
 const MARGIN: f64 = 28.0;
 /// Height of the head line.
@@ -37,9 +39,9 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-se
 .cross { stroke: #1d2430; stroke-width: 1.8; stroke-linecap: round }
 .lamp { fill: #ffd54a; stroke: #8a6d00 } .eye { fill: #ffffff; stroke: #1d2430; stroke-width: 1.6 } .pupil, .dot { fill: #1d2430 }
 .badge { fill: #1d2430; stroke: #ffffff; stroke-width: 1.2 } .badge-text { fill: #ffffff; font-size: 10px; font-weight: 700; text-anchor: middle }
-.edge-label { text-anchor: middle; font-size: 12px; font-weight: 600; stroke: #ffffff; stroke-width: 4px; paint-order: stroke }
+.edge-label { text-anchor: middle; font-size: 12px; font-weight: 600 }
 .edge-label.reflection { fill: #a84908 } .edge-label.refraction { fill: #1a57ad }
-.swatch { stroke: #aab3c2; stroke-width: .8 }
+.edge-back { fill: #ffffff } .swatch { stroke: #aab3c2; stroke-width: .8 }
 @media (prefers-color-scheme: dark) {
 text { fill: #e6e9ef } .page { fill: #12151b } .frame { fill: #1a1f28; stroke: #3b4453 }
 .small, .faint { fill: #aab4c3 } .label { stroke: #1a1f28 }
@@ -48,13 +50,13 @@ text { fill: #e6e9ef } .page { fill: #12151b } .frame { fill: #1a1f28; stroke: #
 .arrow.primary { fill: #e6e9ef } .arrow.reflection { fill: #ff9a4d } .arrow.refraction { fill: #6aa9ff }
 .cross { stroke: #e6e9ef } .eye { fill: #12151b; stroke: #e6e9ef } .pupil, .dot { fill: #e6e9ef }
 .badge { fill: #e6e9ef; stroke: #12151b } .badge-text { fill: #12151b }
-.edge-label { stroke: #12151b } .edge-label.reflection { fill: #ff9a4d } .edge-label.refraction { fill: #6aa9ff } .swatch { stroke: #4c576a }
+.edge-back { fill: #12151b } .edge-label.reflection { fill: #ff9a4d } .edge-label.refraction { fill: #6aa9ff } .swatch { stroke: #4c576a }
 }
 ";
 
 /// The figure as SVG.
 pub fn figure(scene: &Scene, e: &Explanation) -> String {
-    let shown = pick(&e.trace.rays, CARDS);
+    let shown = pick(&e.trace.rays, CARDS, LEAST);
     let segments = picked(e, &shown);
     let diagram = Diagram::new(e, &shown);
     let view = View::new(scene, e, &segments);

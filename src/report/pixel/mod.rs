@@ -23,6 +23,7 @@ pub use figure::figure;
 pub use paths::paths;
 pub use text::{Layout, text};
 
+use crate::explain::Hit;
 use crate::math::color::Rgb;
 
 /// A number in few characters: four decimals at most, no trailing zeros.
@@ -33,6 +34,10 @@ fn short(x: f64) -> String {
         } else {
             "−∞".into()
         };
+    }
+    if x != 0.0 && x.abs() < 1e-6 {
+        // Not 0, and nothing to see.
+        return "0.0000".into();
     }
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
         return format!("{x:.2e}");
@@ -55,9 +60,31 @@ fn triple(v: Rgb) -> String {
     }
 }
 
-/// A place or direction.
+/// A place or direction; what is nothing beside its other components is 0.
 fn vector(v: [f64; 3]) -> String {
-    format!("({} {} {})", short(v[0]), short(v[1]), short(v[2]))
+    let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let [x, y, z] = v.map(|x| if x.abs() < 1e-6 * largest { 0.0 } else { x });
+    format!("({} {} {})", short(x), short(y), short(z))
+}
+
+/// The ray arrives at a surface from the inside of its solid.
+fn from_inside(hit: &Hit) -> bool {
+    hit.inside && hit.back
+}
+
+/// A colour in three decimals, for a figure.
+fn brief(color: Rgb) -> String {
+    if color != [0.0; 3] && color.iter().all(|x| x.abs() < 5e-4) {
+        return "< 0.001".into();
+    }
+    let round = |x: f64| {
+        if x.is_finite() {
+            (x * 1e3).round() / 1e3
+        } else {
+            x
+        }
+    };
+    triple(color.map(round))
 }
 
 /// Degrees with one decimal.
@@ -78,6 +105,10 @@ mod tests {
     fn numbers_are_short() {
         assert_eq!(short(0.25), "0.25");
         assert_eq!(short(-0.00001), "-1.00e-5");
+        assert_eq!(short(1e-20), "0.0000");
+        assert_eq!(vector([0.0, 1.0, -8e-9]), "(0 1 0)");
+        assert_eq!(brief([0.12345, 0.0, 1.0]), "(0.123 0 1)");
+        assert_eq!(brief([1e-5; 3]), "< 0.001");
         assert_eq!(short(0.0), "0");
         assert_eq!(short(f64::INFINITY), "∞");
         assert_eq!(triple([0.5; 3]), "0.5");

@@ -10,8 +10,9 @@ pub(super) struct Picked {
     pub(super) children: Vec<Vec<usize>>,
 }
 
-/// The `most` rays with the largest part in the pixel. A ray counts as much as the most important one that follows from it.
-pub(super) fn pick(rays: &[Ray], most: usize) -> Picked {
+/// The `most` rays with the largest part in the pixel, of those that add at least `least`, and the first. A ray counts as much
+/// as the most important one that follows from it.
+pub(super) fn pick(rays: &[Ray], most: usize, least: f64) -> Picked {
     let mut children = vec![Vec::new(); rays.len()];
     let mut weight: Vec<f64> = rays.iter().map(own).collect();
     for (id, ray) in rays.iter().enumerate().rev() {
@@ -25,7 +26,7 @@ pub(super) fn pick(rays: &[Ray], most: usize) -> Picked {
     order.sort_by(|a, b| weight[*b].total_cmp(&weight[*a]).then(a.cmp(b)));
     let mut shown = vec![false; rays.len()];
     for id in order.into_iter().take(most) {
-        shown[id] = true;
+        shown[id] = id == 0 || weight[id] >= least;
     }
     Picked { shown, children }
 }

@@ -49,6 +49,8 @@ pub(super) fn length(text: &str) -> usize {
 pub(super) fn cell(x: f64) -> String {
     let text = if x == 0.0 {
         "0".to_owned()
+    } else if x.abs() < 5e-7 {
+        "0.0000".to_owned()
     } else if x.is_finite() && !(5e-5..1e5).contains(&x.abs()) {
         format!("{x:.1e}")
     } else {

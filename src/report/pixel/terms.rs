@@ -23,7 +23,9 @@ pub(super) fn rows(sheet: &mut Sheet, all: &Explanation, terms: &Terms, backgrou
     for (light, source) in terms.lights.iter().zip(&all.lights) {
         one_light(sheet, light, source, terms.material.as_ref());
     }
-    if let Some(rest) = terms.remainder {
+    // Rounding that these numbers do not show stays unsaid.
+    let visible = |rest: &Rgb| rest.iter().any(|x| x.abs() >= 5e-5);
+    if let Some(rest) = terms.remainder.filter(visible) {
         sheet.row((LABEL, &term("remainder", 2)), rest, "what rounding leaves");
     }
 }

@@ -11,6 +11,8 @@ use crate::scene::Scene;
 
 /// Rays that have lines of their own, unless all are asked for.
 const RAYS: usize = 40;
+/// What they add at least.
+const LEAST: f64 = 1e-4;
 
 /// How to lay the text out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,8 +35,12 @@ pub fn text(scene: &Scene, explanation: &Explanation, layout: Layout) -> String 
     if rays.len() > 1 {
         sheet.heading("The ray tree");
         sheet.sentence(0, 0, &tree_intro(form));
-        let most = if layout.all_rays { usize::MAX } else { RAYS };
-        branches::rows(&mut sheet, rays, most);
+        let (most, least) = if layout.all_rays {
+            (usize::MAX, 0.0)
+        } else {
+            (RAYS, LEAST)
+        };
+        branches::rows(&mut sheet, rays, most, least);
     }
     causes(&mut sheet, explanation);
     sheet.blank();
@@ -51,7 +57,7 @@ fn tree_intro(form: Form) -> String {
     };
     format!(
         "A ray adds its weight times the light at its own hit. The weight is the product of {mirror} (R) and K_T (T) on the \
-         way: one factor for every interface, so two for a solid that is passed."
+         way: one factor for every interface, so two for a solid that is passed. Angles are to the normal N."
     )
 }
 
@@ -306,7 +312,7 @@ fn global(sheet: &mut Sheet, ray: &Ray, form: Form) {
     }
     if let Some(t) = &ray.refraction {
         let working = if t.tir {
-            "total internal reflection: no ray passes".to_owned()
+            branches::total_reflection(t)
         } else {
             format!("K_T {} × I_T {}", triple(t.weight), triple(t.color))
         };

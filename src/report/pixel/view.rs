@@ -29,7 +29,7 @@ const FRAME: [f64; 2] = [640.0, 560.0];
 /// The lowest frame.
 const LOWEST: f64 = 260.0;
 /// How much better another plane than an upright one must hold the rays: share of their squared length.
-const BETTER: f64 = 0.05;
+const BETTER: f64 = 0.2;
 
 impl View {
     /// The view for some rays of a scene.
