@@ -217,7 +217,7 @@ impl Comparison<'_> {
     fn layers(&self, view: View) -> Result<Vec<u8>, Error> {
         let ladder = self.ladder;
         let mut all = named("", &ladder.trace_layers);
-        all.extend(named("raster.", &ladder.raster_layers));
+        all.extend(named(layered::RASTER, &ladder.raster_layers));
         layered::exr(Some(&ladder.trace_color), view, &all)
     }
 

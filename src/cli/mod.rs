@@ -7,6 +7,7 @@ mod args;
 mod commands;
 mod compare;
 mod diagnostic;
+mod diff;
 mod lecture;
 #[cfg(feature = "opengl")]
 mod opengl;
@@ -67,6 +68,9 @@ enum Command {
     /// Render with both renderers and explain every difference, into a folder
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(CompareArgs),
+    /// Compare two picture files, whoever made them
+    #[command(after_long_help = diff::EXAMPLES)]
+    Diff(diff::DiffArgs),
     /// Say what a scene contains and which features of the model it requires
     #[command(after_long_help = INSPECT_EXAMPLES)]
     Inspect(InspectArgs),
@@ -147,6 +151,7 @@ pub(crate) fn run() -> ExitCode {
     let result = options::in_pool(cli.global.threads, || match &cli.command {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
+        Command::Diff(args) => diff::diff(args, verbosity),
         Command::Inspect(args) => commands::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
             Some(path) => sheet::contact_sheet(path, verbosity).map(done),

@@ -11,11 +11,13 @@
 //!   sentences with symbols in them.
 //! - [`animation`]: animated GIF; [`palette`]: its colours.
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
+//! - [`diff`]: two picture files against each other.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
 pub mod causes;
 pub mod deck;
+pub mod diff;
 pub mod equation;
 pub mod figures;
 pub mod files;
