@@ -48,11 +48,13 @@ fn error(folder: &Path, args: &[&str]) -> String {
 }
 
 /// The program itself, and its commands.
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 12] = [
     "",
     "render",
     "compare",
     "explain",
+    "diff",
+    "check",
     "trade",
     "inspect",
     "scenes",
@@ -69,6 +71,15 @@ fn every_example_of_the_help_runs() {
         ok(folder.path(), &["scenes", "whitted"]),
     )
     .expect("writable");
+    for (name, more) in [
+        ("expected.png", &[][..]),
+        ("mine.png", &[]),
+        ("expected.exr", &["--layers"]),
+        ("mine.exr", &["--layers"]),
+    ] {
+        let args = ["render", "whitted", "--size", "64x48", "-o", name];
+        ok(folder.path(), &[&args[..], more].concat());
+    }
     let mut ran = 0;
     for command in COMMANDS {
         let mut args: Vec<&str> = command.split_whitespace().collect();
@@ -157,6 +168,19 @@ fn compare_writes_every_file() {
     for key in ["mse", "rmse", "mae", "max", "p50", "p95", "p99", "psnr"] {
         assert!(summary["metrics"][key].is_number(), "{key}");
     }
+    for part in ["metrics", "silhouette", "interior"] {
+        assert!(summary[part]["ssim"].is_number(), "{part}");
+        for key in ["mean", "median", "max"] {
+            assert!(summary[part]["flip"][key].is_number(), "{part}, {key}");
+        }
+    }
+    // The two parts make up the whole.
+    let mse = |part: &str| summary[part]["mse"].as_f64().expect("a number");
+    let (low, high) = (
+        mse("interior").min(mse("silhouette")),
+        mse("interior").max(mse("silhouette")),
+    );
+    assert!((low..=high).contains(&mse("metrics")));
     let leftovers = std::fs::read_dir(&out)
         .expect("a folder")
         .flatten()

@@ -6,7 +6,7 @@ use rastray::error::Error;
 use rastray::explain::Precision;
 use rastray::frame::{LayerIndex, Layers, Plane};
 use rastray::report::files::View;
-use rastray::report::layered::NamedLayer;
+use rastray::report::layered::{self, NamedLayer};
 use rastray::report::page::live::{Input, Live};
 use rastray::scene::Scene;
 
@@ -98,16 +98,16 @@ pub(super) fn layers<'a>(
     };
     let traced = &ladder.trace_layers;
     let mut all = named("", traced, |_| true);
-    all.extend(named("raster.", &ladder.raster_layers, |_| true));
+    all.extend(named(layered::RASTER, &ladder.raster_layers, |_| true));
     let differs = |local: &Layers<f32>, k: usize| local.planes[k].data != traced.planes[k].data;
     let local = &ladder.local_layers;
-    all.extend(named("unshadowed.", local, |k| {
+    all.extend(named(layered::UNSHADOWED, local, |k| {
         k < at.local() && differs(local, k)
     }));
-    all.extend(splits("split.", traced, at, scene));
+    all.extend(splits(layered::SPLIT, traced, at, scene));
     if let Some(free) = &views.unshadowed {
         let bounced = at.reflection()..=at.refraction();
-        all.extend(named("unshadowed.", free, |k| {
+        all.extend(named(layered::UNSHADOWED, free, |k| {
             bounced.contains(&k) && differs(free, k)
         }));
         all.extend(splits("unshadowed.split.", free, at, scene));

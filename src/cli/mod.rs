@@ -8,6 +8,7 @@ mod check;
 mod commands;
 mod compare;
 mod diagnostic;
+mod diff;
 mod explain;
 mod extremes;
 mod inspect;
@@ -79,6 +80,9 @@ enum Command {
     /// Explain one pixel: the equation with its numbers, and the ray tree
     #[command(after_long_help = explain::EXAMPLES)]
     Explain(explain::ExplainArgs),
+    /// Compare two picture files, whoever made them
+    #[command(after_long_help = diff::EXAMPLES)]
+    Diff(diff::DiffArgs),
     /// Check one's own picture of a scene: is it right, and if not, which mistake explains it?
     #[command(after_long_help = check::EXAMPLES)]
     Check(check::CheckArgs),
@@ -167,6 +171,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::render(args, verbosity).map(done),
         Command::Compare(args) => compare::compare(args, verbosity),
         Command::Explain(args) => explain::explain(args, verbosity).map(done),
+        Command::Diff(args) => diff::diff(args, verbosity),
         Command::Check(args) => check::check(args, verbosity),
         Command::Trade(args) => trade::trade(args, verbosity),
         Command::Inspect(args) => inspect::inspect(args).map(done),

@@ -1,5 +1,5 @@
 //! Files to scenes: the TOML scene file, OBJ meshes and Princeton's .scn, and the scenes that are shipped inside the
-//! program.
+//! program. Picture files to planes: [`picture`].
 //!
 //! In: a path or the name of a shipped scene, and `KEY=VALUE` overrides. Out: a [`Scene`] and notes about what was
 //! dropped, invented or doubted. Every importer ends in the same [`Scene`], so the renderers know no file format.
@@ -20,6 +20,7 @@ mod lexer;
 mod names;
 mod native;
 mod obj;
+pub mod picture;
 mod polygon;
 mod reader;
 mod schema;

@@ -81,21 +81,27 @@ impl Home {
     }
 }
 
-/// The bytes of a file of at most `limit` bytes.
+/// The bytes of a file of a scene, of at most `limit` bytes.
 fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    let advice = match limit {
+        MAX_TEXT => "keep large meshes in OBJ files",
+        _ => "cut it into several files",
+    };
+    if path.is_dir() {
+        return Err(folder(&path.display().to_string()));
+    }
+    read_limited(path, limit, advice)
+}
+
+/// The bytes of a file of at most `limit` bytes; `advice` says what to do about a longer one.
+pub(super) fn read_limited(path: &Path, limit: u64, advice: &str) -> Result<Vec<u8>, Error> {
     use std::io::Read;
     let name = path.display().to_string();
     let failed = |e| Error::io(&name, "read", e);
     let metadata = std::fs::metadata(path).map_err(failed)?;
-    if metadata.is_dir() {
-        return Err(folder(&name));
-    }
     let too_long = || {
-        let error = Error::limit(format!("{name} is longer than {} MiB", limit >> 20));
-        match limit {
-            MAX_TEXT => error.with_help("keep large meshes in OBJ files"),
-            _ => error.with_help("cut it into several files"),
-        }
+        let message = format!("{name} is longer than {} MiB", limit >> 20);
+        Error::limit(message).with_help(advice)
     };
     if metadata.len() > limit {
         return Err(too_long());

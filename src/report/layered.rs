@@ -1,8 +1,10 @@
 //! OpenEXR files: the picture and its layers, f32, unclamped, losslessly compressed.
 //!
 //! One part with the channels `R`, `G`, `B` for the picture and `NAME.R`, `NAME.G`, `NAME.B` for each layer, which is
-//! how viewers and compositors group them. Attributes: `comments` says what the values are, `rastray:encoding` says
-//! `linear` or `srgb` and speaks of the picture; layers are always linear, because only then do they add up.
+//! how viewers and compositors group them: the layer is what stands before the last dot (OpenEXR's `ChannelList::layers`).
+//! Attributes: `comments` says what the values are and in which order the layers add up, since channels are stored in the order
+//! of their names; `rastray:encoding` says `linear` or `srgb` and speaks of the picture; layers are always linear, because
+//! only then do they add up.
 //! ZIP compression of 16 rows, one thread, attributes in a fixed order: same pictures, same bytes.
 //!
 //! Measured (2026-11, 640 x 480, 20 layers, optimised build with overflow checks): 0.77 s. Read back bit for bit by the
@@ -21,6 +23,15 @@ use crate::frame::Plane;
 
 use super::files::View;
 use super::formats::{check_plane, view_value};
+
+/// What the names of the rasterizer's layers begin with in a file of both renderers.
+pub const RASTER: &str = "raster.";
+
+/// What the names of layers begin with that hold light as if nothing cast a shadow.
+pub const UNSHADOWED: &str = "unshadowed.";
+
+/// What the names of layers begin with that are parts, by light, of reflection and refraction.
+pub const SPLIT: &str = "split.";
 
 /// A layer with its name, such as `diffuse.key` or `raster.emission`.
 #[derive(Clone, Debug)]
@@ -58,7 +69,12 @@ pub fn exr(
         line_order: LineOrder::Increasing,
     };
     let channels = AnyChannels::sort(channels.into());
-    let image = Image::from_layer(Layer::new(size, attributes(view), encoding, channels));
+    let image = Image::from_layer(Layer::new(
+        size,
+        attributes(view, layers),
+        encoding,
+        channels,
+    ));
     let mut file = Cursor::new(Vec::new());
     image
         .write()
@@ -69,12 +85,9 @@ pub fn exr(
 }
 
 /// What the file says about itself. At most one attribute goes into `other`, whose order is not fixed.
-fn attributes(view: View) -> LayerAttributes {
-    let (encoding, comments) = match view {
-        View::Linear => (
-            "linear",
-            "Linear, unclamped values. Layers add up to the picture.",
-        ),
+fn attributes(view: View, layers: &[NamedLayer]) -> LayerAttributes {
+    let (encoding, values) = match view {
+        View::Linear => ("linear", "Linear, unclamped values."),
         View::Srgb => (
             "srgb",
             "R, G, B: sRGB view transform of linear values. Layers: linear, unclamped values.",
@@ -82,7 +95,7 @@ fn attributes(view: View) -> LayerAttributes {
     };
     LayerAttributes {
         software_name: Some(text("rastray")),
-        comments: Some(text(comments)),
+        comments: Some(text(&format!("{values}{}", sums(layers)))),
         other: [(
             text("rastray:encoding"),
             AttributeValue::Text(text(encoding)),
@@ -90,6 +103,26 @@ fn attributes(view: View) -> LayerAttributes {
         .into(),
         ..LayerAttributes::default()
     }
+}
+
+/// How the layers add up: those of the picture, and the rasterizer's beside them.
+fn sums(layers: &[NamedLayer]) -> String {
+    let names = layers.iter().map(|layer| layer.name.as_str());
+    let (raster, others): (Vec<_>, Vec<_>) = names.partition(|name| name.starts_with(RASTER));
+    let aside = |name: &&str| name.starts_with(UNSHADOWED) || name.starts_with(SPLIT);
+    let (aside, own): (Vec<_>, Vec<_>) = others.into_iter().partition(aside);
+    let mut text = String::new();
+    if !own.is_empty() {
+        text += " The unclamped linear picture is the sum of its layers in this order: ";
+        text += &own.join(", ");
+    }
+    if !raster.is_empty() {
+        text += "; the rasterizer's picture is that of raster.* alike";
+    }
+    if !aside.is_empty() {
+        text += "; unshadowed.* (light without shadows) and split.* (reflection and refraction by light) add nothing to either";
+    }
+    text
 }
 
 /// Adds the three channels of a plane under a prefix.

@@ -15,6 +15,7 @@
 //! - `peer` (feature `opengl`): the rasterizer against the system's OpenGL, as a folder of its own.
 //! - [`atlas`]: the extremes atlas.
 //! - [`trade`]: speed against accuracy, as a folder of its own.
+//! - [`diff`]: two picture files against each other.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
 
 pub mod animation;
@@ -22,6 +23,7 @@ pub mod atlas;
 pub mod causes;
 pub mod checked;
 pub mod deck;
+pub mod diff;
 pub mod equation;
 pub mod figures;
 pub mod files;

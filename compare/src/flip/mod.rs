@@ -355,4 +355,29 @@ mod tests {
             assert_eq!(with(1), with(3));
         }
     }
+
+    /// `cargo test -p rastray-compare --release -- --ignored --nocapture speed`
+    #[test]
+    #[ignore = "a measurement"]
+    fn speed_of_1024_by_768() {
+        let picture = |seed: usize| {
+            pixels(1024, 768, |x, y| {
+                [x, y, x + y].map(|v| ((v * seed) % 251) as f32 / 250.0)
+            })
+        };
+        let (a, b) = (picture(3), picture(5));
+        for range in [DynamicRange::Low, DynamicRange::High] {
+            let start = std::time::Instant::now();
+            let map = flip(&view(1024, &a), &view(1024, &b), viewing(range)).unwrap();
+            println!(
+                "{range:?}: {:?}, {:?}, {:?}",
+                start.elapsed(),
+                map.summary(),
+                map.exposures
+            );
+        }
+        let start = std::time::Instant::now();
+        let found = crate::ssim(&view(1024, &a), &view(1024, &b)).unwrap();
+        println!("SSIM: {:?}, {:?}", start.elapsed(), found.mean());
+    }
 }

@@ -37,9 +37,7 @@ use super::files::View;
 use super::summary::Summary;
 
 pub use live::Live;
-#[cfg(feature = "opengl")]
-pub(super) use parts::map_picture;
-pub(super) use parts::{grouped, image, legend, linear_image, piece, style};
+pub(super) use parts::{grouped, image, legend, linear_image, map_picture, piece, style};
 pub(super) use sections::capital;
 
 /// A comparison of one scene, with everything that the page and the files beside it show.

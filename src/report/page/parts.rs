@@ -9,9 +9,7 @@ use crate::error::Error;
 use crate::frame::Plane;
 use crate::report::equation::{Piece, Script, Term, runs};
 use crate::report::files::View;
-#[cfg(feature = "opengl")]
-use crate::report::formats::png_of_picture;
-use crate::report::formats::{png, png_small};
+use crate::report::formats::{png, png_of_picture, png_small};
 use crate::report::numbers::tick;
 use crate::report::picture::Picture;
 use crate::report::text;
@@ -96,7 +94,6 @@ pub(in crate::report) fn linear_image(
 }
 
 /// A map without its legend, all its pixels.
-#[cfg(feature = "opengl")]
 pub(in crate::report) fn map_picture(map: &Map, alt: &str) -> Result<Markup, Error> {
     let bytes = png_of_picture(&Picture::from_map(map))?;
     Ok(image(&bytes, map.width, map.height, alt))
