@@ -214,20 +214,7 @@ impl Pictures {
         let (first, last) = (float(&rungs[0]), float(&rungs[9]));
         blobs.push(bytes(&names[0], &first, (&names[1], &codes[0]))?);
         blobs.push(bytes(&names[9], &last, (&names[8], &codes[7]))?);
-        let mut shadings = Vec::new();
-        for (model, name, _) in SHADED {
-            let Some(shaded) = input.views.shadings.iter().find(|s| s.shading == model) else {
-                continue;
-            };
-            blobs.push(mask(&format!("{name}-clamped"), &shaded.clamped.data)?);
-            if model == input.shading {
-                shadings.push((name, names[1].clone()));
-                continue;
-            }
-            let own = Codes::near(&shaded.color, &codes[0]);
-            blobs.push(rgb(name, &own, Some((&names[1], &codes[0])))?);
-            shadings.push((name, name.to_owned()));
-        }
+        let shadings = shade_models(input, (&names[1], &codes[0]), &mut blobs)?;
         Ok(Self {
             size: [first.width, first.height],
             blobs,
@@ -305,6 +292,30 @@ impl Pictures {
         };
         shaded.chain((0..10).filter_map(rung)).collect()
     }
+}
+
+/// Packs the shade models; the ladder's own is `base`, rung 1. Returns each one's id and picture.
+fn shade_models(
+    input: &Input<'_>,
+    base: (&str, &Codes),
+    blobs: &mut Vec<Blob>,
+) -> Result<Vec<(&'static str, String)>, Error> {
+    let mut shadings = Vec::new();
+    for (model, name, _) in SHADED {
+        let mut shaded = input.views.shadings.iter();
+        let Some(shaded) = shaded.find(|s| s.shading == model) else {
+            continue;
+        };
+        blobs.push(mask(&format!("{name}-clamped"), &shaded.clamped.data)?);
+        if model == input.shading {
+            shadings.push((name, base.0.to_owned()));
+            continue;
+        }
+        let own = Codes::near(&shaded.color, base.1);
+        blobs.push(rgb(name, &own, Some(base))?);
+        shadings.push((name, name.to_owned()));
+    }
+    Ok(shadings)
 }
 
 /// The explained pixels as one blob.
