@@ -17,7 +17,7 @@ use crate::gl::ShadeModel;
 use crate::report::files::View;
 
 /// Bytes that packed planes may take in the page, in base 64. Type, script, words and small pictures take the rest.
-const BUDGET: usize = 13_200_000;
+const BUDGET: usize = 12_500_000;
 /// Lights that have sliders of their own where there are more than fit.
 const ALONE: usize = 3;
 
@@ -84,6 +84,12 @@ impl Live {
         };
         let explained = explained(input.explained)?;
         let explains = take(&mut room, &[&explained]);
+        if !explains {
+            live.left_out.push(
+                "No ray trees are explained beforehand, so that this page stays below 15 MB."
+                    .to_owned(),
+            );
+        }
         let mix = live.mix(input, room)?;
         live.index = json!({
             "size": [pictures.size[0], pictures.size[1]],
@@ -125,7 +131,9 @@ impl Live {
             let rest: Vec<usize> = (alone.min(lights)..lights).collect();
             single.chain((!rest.is_empty()).then_some(rest)).collect()
         };
-        for alone in [lights, ALONE, 0] {
+        // A group of one is no group.
+        let tries = [lights, ALONE, 0].into_iter();
+        for alone in tries.filter(|alone| *alone == lights || alone + 1 < lights) {
             let groups = apart(alone);
             let mix = source.pack(&groups)?;
             let mut left = room;
@@ -143,9 +151,6 @@ impl Live {
                     ));
                 }
                 return Ok(Some(mix));
-            }
-            if alone == 0 || lights == 0 {
-                break;
             }
         }
         self.left_out.push(
