@@ -37,7 +37,7 @@ pub(super) fn equation(form: Form) -> Markup {
             p.key {
                 span.local { "local" } " a surface and its lights: the rasterizer, exactly · "
                 span.global { "global" } " other surfaces too: only the tracer"
-                span.lit #lit aria-live="polite" {}
+                span.lit #lit {}
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::gl::ShadeModel;
 use crate::report::files::View;
 
 /// Bytes that packed planes may take in the page, in base 64. Type, script, words and small pictures take the rest.
-const BUDGET: usize = 13_200_000;
+const BUDGET: usize = 12_500_000;
 /// Lights that have sliders of their own where there are more than fit.
 const ALONE: usize = 3;
 
@@ -84,6 +84,12 @@ impl Live {
         };
         let explained = explained(input.explained)?;
         let explains = take(&mut room, &[&explained]);
+        if !explains {
+            live.left_out.push(
+                "No ray trees are explained beforehand, so that this page stays below 15 MB."
+                    .to_owned(),
+            );
+        }
         let mix = live.mix(input, room)?;
         live.index = json!({
             "size": [pictures.size[0], pictures.size[1]],
@@ -125,7 +131,9 @@ impl Live {
             let rest: Vec<usize> = (alone.min(lights)..lights).collect();
             single.chain((!rest.is_empty()).then_some(rest)).collect()
         };
-        for alone in [lights, ALONE, 0] {
+        // A group of one is no group.
+        let tries = [lights, ALONE, 0].into_iter();
+        for alone in tries.filter(|alone| *alone == lights || alone + 1 < lights) {
             let groups = apart(alone);
             let mix = source.pack(&groups)?;
             let mut left = room;
@@ -143,9 +151,6 @@ impl Live {
                     ));
                 }
                 return Ok(Some(mix));
-            }
-            if alone == 0 || lights == 0 {
-                break;
             }
         }
         self.left_out.push(
@@ -214,20 +219,7 @@ impl Pictures {
         let (first, last) = (float(&rungs[0]), float(&rungs[9]));
         blobs.push(bytes(&names[0], &first, (&names[1], &codes[0]))?);
         blobs.push(bytes(&names[9], &last, (&names[8], &codes[7]))?);
-        let mut shadings = Vec::new();
-        for (model, name, _) in SHADED {
-            let Some(shaded) = input.views.shadings.iter().find(|s| s.shading == model) else {
-                continue;
-            };
-            blobs.push(mask(&format!("{name}-clamped"), &shaded.clamped.data)?);
-            if model == input.shading {
-                shadings.push((name, names[1].clone()));
-                continue;
-            }
-            let own = Codes::near(&shaded.color, &codes[0]);
-            blobs.push(rgb(name, &own, Some((&names[1], &codes[0])))?);
-            shadings.push((name, name.to_owned()));
-        }
+        let shadings = shade_models(input, (&names[1], &codes[0]), &mut blobs)?;
         Ok(Self {
             size: [first.width, first.height],
             blobs,
@@ -305,6 +297,30 @@ impl Pictures {
         };
         shaded.chain((0..10).filter_map(rung)).collect()
     }
+}
+
+/// Packs the shade models; the ladder's own is `base`, rung 1. Returns each one's id and picture.
+fn shade_models(
+    input: &Input<'_>,
+    base: (&str, &Codes),
+    blobs: &mut Vec<Blob>,
+) -> Result<Vec<(&'static str, String)>, Error> {
+    let mut shadings = Vec::new();
+    for (model, name, _) in SHADED {
+        let mut shaded = input.views.shadings.iter();
+        let Some(shaded) = shaded.find(|s| s.shading == model) else {
+            continue;
+        };
+        blobs.push(mask(&format!("{name}-clamped"), &shaded.clamped.data)?);
+        if model == input.shading {
+            shadings.push((name, base.0.to_owned()));
+            continue;
+        }
+        let own = Codes::near(&shaded.color, base.1);
+        blobs.push(rgb(name, &own, Some(base))?);
+        shadings.push((name, name.to_owned()));
+    }
+    Ok(shadings)
 }
 
 /// The explained pixels as one blob.

@@ -169,6 +169,8 @@ const tell = async () => {
   } else {
     parts.push(make("p", { class: "hint" }, "Directions, factors and the ray tree are a command away: copy the line above."));
   }
-  if (mine === telling) by("story").replaceChildren(...parts);
+  if (mine !== telling) return;
+  by("story").replaceChildren(...parts);
+  by("copied").textContent = "The numbers of pixel " + pixel.join(" ") + " follow.";
 };
 

@@ -189,10 +189,12 @@ pub(super) fn methods(live: &Live) -> Markup {
                 dd { "Each pixel shows its channel of largest difference, on a linear scale that ends at the next 1, 2 or 5 times a power of ten. Exactly the pixels without difference are white." }
                 dt { "shares" }
                 dd { "Squared rmse of a cause over the sum of the squared rmse of all." }
+                @if !live.index.is_null() {
                 dt { "moving pictures" }
                 dd {
                     "Rungs 0 and 9 are the stored 8-bit values. All other pictures and layers are half floats: 11 significant bits, "
                     "below 1/8 steps of 2⁻¹³. Differences finer than that show as none here, and count in the numbers above."
+                }
                 }
                 @if let Some(error) = live.mix_error {
                     dt { "mixer" }

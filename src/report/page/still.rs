@@ -62,6 +62,9 @@ pub(super) fn pictures(report: &Report) -> Result<Markup, Error> {
                     (legend(&report.difference.scale))
                 }
             }
+            @if report.live.index.is_null() {
+                @for sentence in &report.live.left_out { p.notice { (sentence) } }
+            }
             noscript { p.notice { "This page does more with JavaScript: a slider between any two pictures, a term mixer, and the numbers of every pixel." } }
         }
     })

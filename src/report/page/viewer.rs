@@ -125,7 +125,7 @@ pub(super) fn pixel() -> Markup {
                 span.spoken #copied role="status" {}
             }
             p.hint { "Click the picture, or use arrow keys and Enter on it." }
-            div.story #story aria-live="polite" {}
+            div.story #story {}
         }
     }
 }
