@@ -16,6 +16,7 @@
 //! | `build` `split` `bvh` `instance` | the hierarchy, and meshes that several objects share |
 //! | `optics` `media` `branch` | directions, media, secondary rays |
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
+//! | `touch` | surfaces that touch are passed at once |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -59,6 +60,7 @@ mod sums;
 pub mod surface;
 mod tile;
 pub mod torus;
+mod touch;
 
 use std::time::Instant;
 
