@@ -11,6 +11,8 @@
 
 #[path = "fuzz/damage.rs"]
 mod damage;
+#[path = "fuzz/found.rs"]
+mod found;
 #[path = "fuzz/laws.rs"]
 mod laws;
 #[path = "common/scale.rs"]

@@ -5,9 +5,6 @@
 //! pass straight on, enter no medium and have no index, hence no Fresnel share. Weights multiply once per interface. A branch
 //! of weight 0, or below `weight_cutoff` in every channel, is dropped.
 //!
-//! Transmissive surfaces that touch are one passage: K_T of each, the media before and behind all of them, direction and
-//! Fresnel's share of the first, where the ray arrives; the transmitted ray starts beyond the last.
-//!
 //! Directions follow the shading normal. Where it would send a mirrored ray into the surface, or a transmitted one back
 //! out of it (smooth meshes seen at grazing angles), the geometric normal takes its place.
 
@@ -16,6 +13,7 @@ use super::faults::Faults;
 use super::media::{Media, MediaId};
 use super::optics::{Transmission, fresnel, reflect, refract};
 use super::ray::{Foot, Ray};
+use super::touch::Touching;
 use crate::math::DVec3;
 use crate::math::color::Rgb;
 use crate::scene::{Fresnel, Optics, Tir, TraceSettings};
@@ -45,38 +43,20 @@ pub(super) struct Path {
     pub(super) media: MediaId,
 }
 
-/// Where a secondary ray starts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
-    pub(super) foot: Foot,
-    /// Items that rays leaving outwards, and inwards, cannot meet.
-    pub(super) skip: [u32; 2],
-}
-
-impl Start {
-    /// Where a ray starts that crossed this surface and then another that touches it.
-    pub(super) fn then(self, next: Self) -> Self {
-        let scale = self.foot.scale + next.foot.scale;
-        Self {
-            foot: Foot { scale, ..next.foot },
-            ..next
-        }
-    }
-}
-
 /// A hit that secondary rays start from.
 pub(super) struct Fork<'s> {
     /// The ray that arrived.
     pub(super) path: &'s Path,
+    /// Transmissive surfaces that touch the one hit, in the order in which the ray passes them.
+    pub(super) touching: &'s [Touching<'s>],
     /// Where.
-    pub(super) start: Start,
+    pub(super) foot: &'s Foot,
+    /// Items that rays leaving outwards, and inwards, cannot meet.
+    pub(super) skip: [u32; 2],
     /// Shading normal, world space, on either side; zero = use the geometric one.
     pub(super) normal_world: DVec3,
-    /// The object hit, a medium of its own, and those that touch it there, in the order of the ray.
-    pub(super) crossed: &'s [(u32, &'s Optics)],
-    /// Where transmitted rays start: beyond all of them.
-    pub(super) beyond: Start,
-    /// Optics of the object hit.
+    /// The object hit: a medium of its own.
+    pub(super) object: u32,
     pub(super) optics: &'s Optics,
     pub(super) settings: &'s TraceSettings,
     /// Whether reflected, and refracted rays are asked for.
@@ -123,14 +103,13 @@ impl Fork<'_> {
             }
             let beyond = passage.beyond.filter(|_| self.wanted[1]);
             refraction = beyond.and_then(|(direction, part, media)| {
-                let weight = k_t.map(|k| k * part);
-                self.child(&self.beyond, direction, weight, Branch::Refraction, media)
+                self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
             });
             passed = Some(passage);
         }
         let reflection = (self.wanted[0] && mirror != [0.0; 3])
             .then(|| self.mirror_direction())
-            .and_then(|d| self.child(&self.start, d, mirror, Branch::Reflection, self.path.media));
+            .and_then(|d| self.child(d, mirror, Branch::Reflection, self.path.media));
         Forked {
             reflection,
             refraction,
@@ -139,20 +118,7 @@ impl Fork<'_> {
         }
     }
 
-    /// K_T of every surface crossed, multiplied.
-    pub(super) fn transmission(&self) -> Rgb {
-        let all = self.crossed.iter().map(|(_, optics)| optics.transmission);
-        all.fold([1.0; 3], |k, next| [0, 1, 2].map(|c| k[c] * next[c]))
-    }
-
-    fn child(
-        &self,
-        start: &Start,
-        direction: DVec3,
-        k: Rgb,
-        branch: Branch,
-        media: MediaId,
-    ) -> Option<Path> {
+    fn child(&self, direction: DVec3, k: Rgb, branch: Branch, media: MediaId) -> Option<Path> {
         // Weights above 1 saturate, so that a later factor of 0 still makes 0; those that lose their digits are 0, for the smallest
         // number times 0.9 rounds to itself and would never end.
         let product = |c: usize| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX);
@@ -162,10 +128,11 @@ impl Fork<'_> {
         if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
             return None;
         }
-        let inwards = usize::from(start.foot.normal.dot(direction) < 0.0);
+        let (foot, skip) = self.start(branch);
+        let inwards = usize::from(foot.normal.dot(direction) < 0.0);
         let ray = Ray {
-            skip: start.skip[inwards],
-            ..Ray::new(self.faults.spawn(&start.foot, direction), direction)
+            skip: skip[inwards],
+            ..Ray::new(self.faults.spawn(&foot, direction), direction)
         };
         let first = self.path.branch == Branch::Primary;
         Some(Path {
@@ -180,7 +147,7 @@ impl Fork<'_> {
     /// The shading normal, or the geometric one where there is none.
     fn normal(&self) -> DVec3 {
         if self.normal_world == DVec3::ZERO {
-            self.start.foot.normal
+            self.foot.normal
         } else {
             self.normal_world
         }
@@ -188,8 +155,8 @@ impl Fork<'_> {
 
     /// Whether `direction` leaves to the side that the arriving ray came from.
     fn returns(&self, direction: DVec3) -> bool {
-        let arriving = self.path.ray.direction.dot(self.start.foot.normal);
-        direction.dot(self.start.foot.normal) * arriving < 0.0
+        let arriving = self.path.ray.direction.dot(self.foot.normal);
+        direction.dot(self.foot.normal) * arriving < 0.0
     }
 
     fn mirror_direction(&self) -> DVec3 {
@@ -198,7 +165,7 @@ impl Fork<'_> {
         if self.returns(mirrored) {
             mirrored
         } else {
-            reflect(d, self.start.foot.normal)
+            reflect(d, self.foot.normal)
         }
     }
 
@@ -209,11 +176,12 @@ impl Fork<'_> {
             reflected: 0.0,
             beyond: Some((unit(d), 1.0, media)),
         };
-        let solids = self.crossed.iter().filter(|(_, optics)| !optics.thin);
-        let surfaces = solids.map(|(object, optics)| (*object, optics.ior));
-        let crossing = media.cross_all(self.path.media, surfaces);
+        if self.optics.thin && self.touching.is_empty() {
+            return straight(self.path.media, media.ior(self.path.media));
+        }
+        let crossing = self.cross(media);
         let eta = [crossing.eta_i, crossing.eta_t];
-        let [eta_i, eta_t] = self.faults.indices(d, self.start.foot.normal, eta);
+        let [eta_i, eta_t] = self.faults.indices(d, self.foot.normal, eta);
         if eta_i == eta_t || !self.bends {
             return straight(crossing.media, eta_t);
         }
@@ -223,16 +191,14 @@ impl Fork<'_> {
         if let Transmission::Through { direction, .. } = passed
             && self.returns(direction)
         {
-            normal = self.start.foot.normal;
+            normal = self.foot.normal;
             passed = refract(d, normal, eta_i, eta_t);
         }
         match passed {
             Transmission::Through { direction, cosine } => {
                 let cos_i = unit(d).dot(normal).abs().min(1.0);
                 let f = fresnel(model, cos_i, cosine, eta_i, eta_t);
-                let direction = self
-                    .faults
-                    .transmitted(direction, d, self.start.foot.normal);
+                let direction = self.faults.transmitted(direction, d, self.foot.normal);
                 Passage {
                     eta: [eta_i, eta_t],
                     reflected: f,

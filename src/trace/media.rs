@@ -2,8 +2,7 @@
 //!
 //! Crossing the surface of object A removes A from the list if it is there, else appends it. The index before is that of the
 //! last entry before, the index after that of the last entry after; an empty list is air (1). So a hollow ball is one
-//! ball inside another, and overlapping solids need no care. Solids that touch are crossed at once: the index before is that
-//! before all of them, the index after that after all. Lists are kept once and named by number, so that
+//! ball inside another, and touching or overlapping solids need no care. Lists are kept once and named by number, so that
 //! rays stay small. Where primary rays start: [`super::inside`].
 
 use std::collections::HashMap;
@@ -53,30 +52,6 @@ impl Media {
         index(&self.lists[media as usize])
     }
 
-    /// Whether a list holds an object.
-    pub(super) fn hold(&self, media: MediaId, object: u32) -> bool {
-        let list = &self.lists[media as usize];
-        list.iter().any(|m| m.object == object)
-    }
-
-    /// Crosses, in one place, the surfaces of objects whose insides have these indices.
-    pub(super) fn cross_all(
-        &mut self,
-        from: MediaId,
-        surfaces: impl Iterator<Item = (u32, f64)>,
-    ) -> Crossing {
-        let eta = index(&self.lists[from as usize]);
-        let nothing = Crossing {
-            media: from,
-            eta_i: eta,
-            eta_t: eta,
-        };
-        surfaces.fold(nothing, |so_far, (object, ior)| Crossing {
-            eta_i: so_far.eta_i,
-            ..self.cross(so_far.media, object, ior)
-        })
-    }
-
     /// Crosses the surface of an object whose inside has the index `ior`.
     pub(super) fn cross(&mut self, from: MediaId, object: u32, ior: f64) -> Crossing {
         let before = &self.lists[from as usize];
@@ -101,6 +76,12 @@ impl Media {
             eta_t,
         }
     }
+
+    /// Whether a list holds an object.
+    pub(super) fn hold(&self, media: MediaId, object: u32) -> bool {
+        let list = &self.lists[media as usize];
+        list.iter().any(|m| m.object == object)
+    }
 }
 
 fn index(list: &[Medium]) -> f64 {
@@ -123,17 +104,6 @@ mod tests {
         assert_eq!((c.eta_i, c.eta_t), (1.0, 1.5));
         let d = media.cross(c.media, 0, 1.5);
         assert_eq!((d.eta_i, d.eta_t, d.media), (1.5, 1.0, AIR));
-    }
-
-    #[test]
-    fn touching_objects_are_crossed_at_once() {
-        let mut media = Media::new();
-        let a = media.cross(AIR, 7, 1.5);
-        let b = media.cross_all(a.media, [(7, 1.5), (8, 1.3)].into_iter());
-        assert_eq!((b.eta_i, b.eta_t), (1.5, 1.3));
-        assert!(media.hold(b.media, 8) && !media.hold(b.media, 7));
-        let none = media.cross_all(b.media, std::iter::empty());
-        assert_eq!((none.eta_i, none.eta_t, none.media), (1.3, 1.3, b.media));
     }
 
     #[test]

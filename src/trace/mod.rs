@@ -18,6 +18,7 @@
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
 //! | `record` | what happened on the way to one pixel, for whoever explains it |
 //! | `faults` | mistakes that people make, for `check` |
+//! | `touch` | surfaces that touch are passed at once |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -64,6 +65,7 @@ mod sums;
 pub mod surface;
 mod tile;
 pub mod torus;
+mod touch;
 
 use std::sync::Arc;
 use std::time::Instant;

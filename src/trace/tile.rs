@@ -5,13 +5,13 @@
 //! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
 //! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
 
-use super::branch::{Branch, Fork, Path, Start};
+use super::branch::{Branch, Fork, Path};
 use super::bvh::Walker;
 use super::exact::unit;
 use super::faults::Normals;
 use super::inside::Inside;
 use super::media::{AIR, Media, MediaId};
-use super::ray::{Hit, NO_ITEM, Ray};
+use super::ray::{NO_ITEM, Ray};
 use super::record::Record;
 use super::shadow::Shadows;
 use super::sums::{Keep, Mean, Sums};
@@ -65,11 +65,11 @@ pub(super) struct Tile<'p, 'a, R> {
     signed: bool,
     walker: Walker,
     media: Media,
-    /// Of the wave at hand: the ray's number, and a surface that touches the one it met, in order.
-    touching: Vec<(u32, Site<R>)>,
     batches: Batches<R>,
     counters: Counters,
     sums: Sums<R>,
+    /// Of the wave at hand: a ray's number, and a surface that touches the one it met, in order.
+    touching: Vec<(u32, Site<R>)>,
     /// Primary rays of the sample at hand, eye space.
     eye_rays: Vec<(DVec3, DVec3)>,
     /// A ray of the caller's in place of the primary rays, and the solids that it may start in.
@@ -149,10 +149,10 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             signed,
             walker: Walker::default(),
             media: Media::new(),
-            touching: Vec::new(),
             batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
             counters: Counters::default(),
             sums: Sums::new(pixels, index, keep, signed),
+            touching: Vec::new(),
             eye_rays: Vec::new(),
             start: None,
             record: None,
@@ -296,9 +296,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             return Ok(Vec::new());
         }
         let mut next = Vec::new();
-        for (tag, (path, site)) in paths.iter().zip(&sites).enumerate() {
+        for (i, (path, site)) in paths.iter().zip(&sites).enumerate() {
             if let Some(site) = site {
-                self.fork(tag as u32, path, site, &mut next)?;
+                self.fork(i as u32, path, site, &mut next)?;
             }
         }
         Ok(next)
@@ -331,25 +331,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             points.normal_length.push(R::from_f64(length));
         }
         Some(site)
-    }
-
-    /// What a ray meets where surfaces touch: the opaque one that the solid it is in stands on, else the one it met, and the
-    /// others that it passes with it are kept for [`Self::fork`].
-    fn settle(&mut self, tag: u32, path: &Path, hit: &Hit, site: Site<R>) -> Site<R> {
-        let materials = &self.plan.scene.materials;
-        let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
-        if self.options.depth == 0 || !self.wanted()[1] || !clear(&site) {
-            return site;
-        }
-        let surfaces = &self.plan.surfaces;
-        let others = surfaces.touching(&path.ray, hit, &site.foot, &mut self.walker);
-        let passed = others.iter().take_while(|other| clear(other)).count();
-        if passed < others.len() && self.media.hold(path.media, site.object) {
-            return others[passed];
-        }
-        let kept = others[..passed].iter().map(|other| (tag, *other));
-        self.touching.extend(kept);
-        site
     }
 
     /// Enters a hit for shading: which side faces the ray, and where the viewer is. Returns the number of the surface.
@@ -530,27 +511,19 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         site: &Site<R>,
         next: &mut Vec<Path>,
     ) -> Result<(), Error> {
-        let materials = &self.plan.scene.materials;
-        let optics = |site: &Site<R>| &materials[site.material as usize].optics;
-        let own = optics(site);
-        if !own.is_mirror() && !own.is_transmissive() {
+        let optics = &self.plan.scene.materials[site.material as usize].optics;
+        if !optics.is_mirror() && !optics.is_transmissive() {
             return Ok(());
         }
-        let first = self.touching.partition_point(|(t, _)| *t < tag);
-        let others = self.touching[first..].iter().take_while(|(t, _)| *t == tag);
-        let others = others.map(|(_, other)| other);
-        let start = |site: &Site<R>| Start {
-            foot: site.foot,
-            skip: site.skip,
-        };
-        let crossed = std::iter::once(site).chain(others.clone());
+        let touching = self.touching_of(tag);
         let fork = Fork {
             path,
-            start: start(site),
+            touching: &touching,
+            foot: &site.foot,
+            skip: site.skip,
             normal_world: self.rotation.transpose() * DVec3::from_array(site.normal_eye),
-            crossed: &crossed.map(|s| (s.object, optics(s))).collect::<Vec<_>>(),
-            beyond: others.fold(start(site), |at, other| at.then(start(other))),
-            optics: own,
+            object: site.object,
+            optics,
             settings: &self.plan.scene.trace,
             wanted: self.wanted(),
             bends: self.plan.needs.has(Feature::Tir),
@@ -575,6 +548,40 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             .with_help("lower the depth, or raise trace.weight_cutoff"));
         }
         Ok(())
+    }
+
+    /// What a ray meets where surfaces touch (`touch`): the opaque one that the solid it is in stands on, else the one it met;
+    /// then those that it passes with it are kept for [`Self::fork`].
+    fn settle(&mut self, tag: u32, path: &Path, hit: &super::ray::Hit, site: Site<R>) -> Site<R> {
+        let materials = &self.plan.scene.materials;
+        let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
+        if self.options.depth == 0 || !self.wanted()[1] || !clear(&site) {
+            return site;
+        }
+        let surfaces = &self.plan.surfaces;
+        let others = surfaces.touching(&path.ray, hit, &site.foot, &mut self.walker);
+        let passed = others.iter().take_while(|other| clear(other)).count();
+        if passed < others.len() && self.media.hold(path.media, site.object) {
+            return others[passed];
+        }
+        let kept = others[..passed].iter().map(|other| (tag, *other));
+        self.touching.extend(kept);
+        site
+    }
+
+    /// What a ray passes with the surface that it met.
+    fn touching_of(&self, tag: u32) -> Vec<super::touch::Touching<'p>> {
+        let first = self.touching.partition_point(|(t, _)| *t < tag);
+        let of_tag = self.touching[first..].iter().take_while(|(t, _)| *t == tag);
+        let plan = self.plan;
+        of_tag
+            .map(|(_, site)| super::touch::Touching {
+                object: site.object,
+                optics: &plan.scene.materials[site.material as usize].optics,
+                foot: site.foot,
+                skip: site.skip,
+            })
+            .collect()
     }
 }
 
