@@ -2,14 +2,15 @@
 //! outwards than inwards. And what that exactness costs.
 //!
 //! Rooms are closed meshes made here (sphere, torus, a bottle of revolution closed at both ends, a noisy icosphere with
-//! needles, the same as an instance) and the exact shapes, placed as they are and under a transform. Rays start at points known to
-//! be inside: random ones in all directions, a tenth of them axis-parallel; and aimed ones at vertices, needle tips, middles of
-//! edges and points on edges, half of them axis-parallel with two coordinates equal to the target's.
+//! needles, the same as an instance) and the exact shapes, placed as they are and under a transform. Rays start at points
+//! known to be inside: random ones in all directions, a tenth of them axis-parallel; and aimed ones at vertices, needle
+//! tips, middles of edges and points on edges, half of them axis-parallel with two coordinates equal to the target's.
 //!
 //! A *leak* is a ray that `closest_hit` or `any_hit` lets out; a *parity error* one whose `crossings` are not an odd number,
 //! one more outwards than inwards, each counted once.
 //!
-//! The long form, 1e7 random and 1e5 aimed rays a room (and precision, for meshes), and the cost, on a machine that is otherwise idle:
+//! The long form, 1e7 random and 1e5 aimed rays a room (and precision, for meshes), and the cost, on a machine that is
+//! otherwise idle:
 //!
 //! ```text
 //! cargo test --release --test closed_room -- --ignored --nocapture long_form

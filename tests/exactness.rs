@@ -1,9 +1,9 @@
 //! What an exact renderer promises of whole pictures: size means nothing, precision means little, a camera may stand inside
 //! a medium, and mirrors may face each other for ten thousand bounces.
 //!
-//! Scale (NUMERICS section 5, T1): every length of a shipped scene times 2^k, attenuation accordingly, leaves every bit of both renderers'
-//! pictures as it was. Precision: f32 against f64, values before clamping relative to max(1, magnitude), and decisions.
-//! The long forms:
+//! Scale (NUMERICS section 5, T1): every length of a shipped scene times 2^k, attenuation accordingly, leaves every bit of
+//! both renderers' pictures as it was. Precision: f32 against f64, values before clamping relative to max(1, magnitude),
+//! and decisions. The long forms:
 //!
 //! ```text
 //! cargo test --test exactness -- --ignored --nocapture every_power     every k in -20..=26, all shipped scenes
@@ -259,7 +259,8 @@ struct Seen {
     color: Vec<[f64; 3]>,
     primitive: Vec<u32>,
     object: Vec<u32>,
-    /// Per light and pixel whether its diffuse and specular light is blocked, where there would be any; empty for the rasterizer.
+    /// Per light and pixel whether its diffuse and specular light is blocked, where there would be any; empty for the
+    /// rasterizer.
     shadowed: Vec<Option<bool>>,
 }
 

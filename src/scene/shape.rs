@@ -105,8 +105,8 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Texture coordinates, one a position; empty = none.
     pub texcoords: Vec<DVec2>,
-    /// Vertex colours (red, green, blue, alpha), one a position, for materials that track them ([`crate::gl::Material::tracked`]);
-    /// empty = white, GL's current colour by default.
+    /// Vertex colours (red, green, blue, alpha), one a position, for materials that track them
+    /// ([`crate::gl::Material::tracked`]); empty = white, GL's current colour by default.
     pub colors: Vec<[f64; 4]>,
     /// Triangles in file order.
     pub triangles: Vec<[u32; 3]>,
@@ -120,7 +120,8 @@ impl Mesh {
         self.slots.get(triangle).map_or(0, |s| *s as usize)
     }
 
-    /// Whether it encloses solids: every edge, told by the places of its ends, is a side of an even number of triangles, and there is one.
+    /// Whether it encloses solids: every edge, told by the places of its ends, is a side of an even number of triangles,
+    /// and there is one.
     ///
     /// ```
     /// use rastray::math::DVec3;

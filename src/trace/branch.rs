@@ -119,8 +119,8 @@ impl Fork<'_> {
     }
 
     fn child(&self, direction: DVec3, k: Rgb, branch: Branch, media: MediaId) -> Option<Path> {
-        // Weights above 1 saturate, so that a later factor of 0 still makes 0; those that lose their digits are 0, for the smallest
-        // number times 0.9 rounds to itself and would never end.
+        // Weights above 1 saturate, so that a later factor of 0 still makes 0; those that lose their digits are 0, for the
+        // smallest number times 0.9 rounds to itself and would never end.
         let product = |c: usize| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX);
         let weight = [0, 1, 2].map(product);
         let weight = weight.map(|w| if w.is_subnormal() { 0.0 } else { w });

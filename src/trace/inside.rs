@@ -1,20 +1,21 @@
 //! The media that primary rays start in, where the camera stands inside something transmissive.
 //!
-//! A primary ray counts from the near plane on: what lies between it and the eye is cut away, as clipping cuts it. So the ray starts in the
-//! media around its *near point*, whatever the projection: the eye's for a perspective view inside one medium, a point's own
-//! for each ray of an orthographic view, and the inside of a solid that the near plane cuts open.
+//! A primary ray counts from the near plane on: what lies between it and the eye is cut away, as clipping cuts it. So the
+//! ray starts in the media around its *near point*, whatever the projection: the eye's for a perspective view inside one
+//! medium, a point's own for each ray of an orthographic view, and the inside of a solid that the near plane cuts open.
 //!
-//! A point's media are the list that a ray would have which came to it against the view direction from infinitely far away, by the
-//! list rule of whitted.md section 2 ([`super::media`]). So of nested solids the innermost is the last, every solid around the
-//! point is in the list once (its surface is crossed an odd number of times, by the exact functions), and a ray that goes
-//! straight on ends in air. Where solids overlap without one being inside the other, the one entered last on that way counts.
+//! A point's media are the list that a ray would have which came to it against the view direction from infinitely far away,
+//! by the list rule of whitted.md section 2 ([`super::media`]). So of nested solids the innermost is the last, every solid
+//! around the point is in the list once (its surface is crossed an odd number of times, by the exact functions), and a ray
+//! that goes straight on ends in air. Where solids overlap without one being inside the other, the one entered last on that
+//! way counts.
 //!
 //! What counts: closed shapes ([`Shape::is_closed`](crate::scene::Shape::is_closed)) and closed meshes
-//! ([`Mesh::is_closed`](crate::scene::Mesh::is_closed)) with a material that is transmissive and not thin; its first such material gives the index.
-//! A sheet, an open tube or a set of Bezier patches has no inside here: rays enter it where they cross it, as before.
-//! Only objects whose bounds reach the near plane's part in the picture are looked at, so where no transmissive solid is near the camera
-//! this costs nothing; else one walk of [`Surfaces::crossings`] a primary ray whose near point is in their bounds.
-//! Those walks count as work, not as rays.
+//! ([`Mesh::is_closed`](crate::scene::Mesh::is_closed)) with a material that is transmissive and not thin; its first such
+//! material gives the index. A sheet, an open tube or a set of Bezier patches has no inside here: rays enter it where they
+//! cross it, as before. Only objects whose bounds reach the near plane's part in the picture are looked at, so where no
+//! transmissive solid is near the camera this costs nothing; else one walk of [`Surfaces::crossings`] a primary ray whose
+//! near point is in their bounds. Those walks count as work, not as rays.
 
 use super::bvh::Walker;
 use super::media::{AIR, Media, MediaId};
