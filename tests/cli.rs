@@ -382,7 +382,16 @@ fn inspect_names_features_and_reasons() {
                 .is_some_and(|why| !why.is_empty())
         );
     }
-    assert!(ok(folder.path(), &["inspect", "whitted"]).contains("Requires"));
+    // What is absent says what that saves; together they are every feature.
+    let saves = report["saves"].as_object().expect("an object");
+    assert!(
+        saves["spot"]
+            .as_str()
+            .is_some_and(|text| text.contains("cone"))
+    );
+    assert_eq!(features.len() + saves.len(), 18);
+    let text = ok(folder.path(), &["inspect", "whitted"]);
+    assert!(text.contains("Requires") && text.contains("Does without"));
 }
 
 #[test]

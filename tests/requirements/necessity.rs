@@ -237,3 +237,23 @@ fn no_unreported_feature_shows_in_any_bit() {
         }
     }
 }
+
+/// Culling is the rasterizer's. Where only back faces are lit, the tracer needs the lights all the same.
+#[test]
+fn rays_meet_back_faces_whatever_is_culled() {
+    let mut scene = everything();
+    for material in &mut scene.materials {
+        let black = [0.0; 3];
+        let front = &mut material.front;
+        (front.ambient, front.diffuse, front.specular) = (black, black, black);
+    }
+    let seen = |scene: &Scene| {
+        let needs = Requirements::of(scene, Mode::Trace);
+        let shadows = needs.has(Feature::ShadowRays) && needs.has(Feature::TwoSide);
+        (shadows, bits(&draw(scene, Mode::Trace, &needs)))
+    };
+    let open = seen(&scene);
+    scene.raster.cull = rastray::scene::Cull::Back;
+    assert!(open.0 && open == seen(&scene));
+    assert!(!Requirements::of(&scene, Mode::Raster).has(Feature::Diffuse));
+}
