@@ -48,10 +48,11 @@ fn error(folder: &Path, args: &[&str]) -> String {
 }
 
 /// The program itself, and its commands.
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 9] = [
     "",
     "render",
     "compare",
+    "check",
     "inspect",
     "scenes",
     "lecture",
