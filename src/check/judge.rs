@@ -1,6 +1,6 @@
 //! From errors to an answer: right, or which mistakes explain the picture, or none of them.
 
-use super::measure::{NOISE, SAME, Values, agree, contrast, mse, rmse};
+use super::measure::{Noise, SAME, Values, contrast, mse, rmse, surely_nearer};
 use super::{Mistake, Mode, all};
 
 /// The short answer.
@@ -72,13 +72,17 @@ pub(super) struct Judged {
     pub(super) findings: Vec<Finding>,
 }
 
-/// Findings that are told at most.
+/// Findings that are told at most, and those among them that only help.
 const TOLD: usize = 5;
+const HELPING: usize = 2;
 
 /// A mistake explains a picture that noise does not explain if this part of the error goes,
 const EXPLAINS: f64 = 0.5;
 /// and what stays is at most this part of the contrast of the right picture: else the picture shows something else.
 const STAYS: f64 = 0.3;
+
+/// Standard deviations from which on a mistake is believed that removes little of the error.
+const SURE: f64 = 4.0;
 
 /// Part of pairs of neighbouring pixels that differ in kind, from where on pixels count as strewn: a shadow of 8 x 8
 /// pixels has 1/8, half of all pixels by chance 1/2.
@@ -127,7 +131,12 @@ pub(super) fn strewn(given: &Values, right: &Values, wrong: &Values) -> Option<V
 }
 
 /// Judges a picture by the right ones, in the order of modes, and the mistaken ones.
-pub(super) fn judge(given: &Values, rights: &[Right], candidates: &[Candidate]) -> Judged {
+pub(super) fn judge(
+    given: &Values,
+    noise: Noise,
+    rights: &[Right],
+    candidates: &[Candidate],
+) -> Judged {
     let nearest = |a: &&Right, b: &&Right| a.error.total_cmp(&b.error);
     let right = rights
         .iter()
@@ -135,11 +144,12 @@ pub(super) fn judge(given: &Values, rights: &[Right], candidates: &[Candidate]) 
         .map_or(0, |r| index_of(rights, r.mode));
     let bench = Bench {
         given,
+        noise,
         rights,
         candidates,
         right,
     };
-    if agree(&rights[right].picture, given) {
+    if noise.hides(&rights[right].picture, given) {
         match bench.beating() {
             Some(best) => bench.mistake(best),
             None => bench.right(),
@@ -159,6 +169,7 @@ fn index_of(rights: &[Right], mode: Mode) -> usize {
 /// What is judged; `right` is the nearest right picture.
 struct Bench<'a> {
     given: &'a Values,
+    noise: Noise,
     rights: &'a [Right],
     candidates: &'a [Candidate],
     right: usize,
@@ -183,7 +194,10 @@ impl Bench<'_> {
         self.least(|c| {
             let changed = mse(&c.picture, &right.picture);
             let gained = right.error.powi(2) - c.error.powi(2);
-            changed > SAME * SAME && gained >= changed / 2.0
+            let surely = || surely_nearer(self.given, &c.picture, &right.picture) >= SURE;
+            changed > SAME * SAME
+                && gained >= changed / 2.0
+                && (c.error <= (1.0 - EXPLAINS) * right.error || surely())
         })
     }
 
@@ -196,7 +210,7 @@ impl Bench<'_> {
         let right = &self.rights[index_of(self.rights, c.mode)];
         let much = c.error <= (1.0 - EXPLAINS) * self.nearest().error;
         let enough = c.error <= STAYS * contrast(&right.picture);
-        much && (enough || agree(&c.picture, self.given))
+        much && (enough || self.agrees(c))
     }
 
     /// Two mistakes cannot be told apart: their pictures are the same, or noise hides which one it is.
@@ -207,7 +221,7 @@ impl Bench<'_> {
     }
 
     fn agrees(&self, c: &Candidate) -> bool {
-        c.error <= NOISE && agree(&c.picture, self.given)
+        self.noise.hides(&c.picture, self.given)
     }
 
     fn finding(&self, c: &Candidate, tied: bool) -> Finding {
@@ -249,7 +263,7 @@ impl Bench<'_> {
                 _ => rest.push(self.finding(c, false)),
             }
         }
-        let room = TOLD.saturating_sub(tied.len());
+        let room = TOLD.saturating_sub(tied.len()).min(HELPING);
         tied.into_iter()
             .chain(rest.into_iter().take(room))
             .collect()
@@ -310,7 +324,7 @@ mod tests {
     use super::*;
 
     fn plane(value: impl Fn(usize, usize) -> f32) -> Values {
-        let (width, height) = (32, 24);
+        let (width, height) = (64, 48);
         let data = (0..width * height).map(|i| [value(i % width, i / width); 3]);
         Values {
             width,
@@ -335,9 +349,9 @@ mod tests {
 
     #[test]
     fn a_small_mistake_is_believed_under_larger_noise_and_noise_is_not() {
-        let right = plane(|x, y| (x + y) as f32 / 60.0);
+        let right = plane(|x, y| (x + y) as f32 / 120.0);
         // rmse 0.004, under noise of 0.012.
-        let wrong = plane(|x, y| (x + y) as f32 / 60.0 + if x < 8 { 0.008 } else { 0.0 });
+        let wrong = plane(|x, y| (x + y) as f32 / 120.0 + if x < 32 { 0.0057 } else { 0.0 });
         let noisy = |of: &Values| {
             let mut picture = of.clone();
             for (i, c) in picture.data.iter_mut().enumerate() {
@@ -350,23 +364,26 @@ mod tests {
             (noisy(&wrong), Verdict::Mistake),
         ] {
             let rights = [Right::new(Mode::Trace, right.clone(), &given)];
-            assert!(rights[0].error > 0.008 && agree(&rights[0].picture, &given));
+            assert!(rights[0].error > 0.008 && Noise::LOSSLESS.hides(&rights[0].picture, &given));
             let candidates = [candidate(0, wrong.clone(), &given)];
-            assert_eq!(judge(&given, &rights, &candidates).verdict, verdict);
+            assert_eq!(
+                judge(&given, Noise::LOSSLESS, &rights, &candidates).verdict,
+                verdict
+            );
         }
     }
 
     #[test]
     fn equal_pictures_tie_and_others_do_not() {
-        let right = plane(|x, _| x as f32 / 32.0);
-        let given = plane(|x, _| x as f32 / 64.0);
+        let right = plane(|x, _| x as f32 / 64.0);
+        let given = plane(|x, _| x as f32 / 128.0);
         let rights = [Right::new(Mode::Trace, right.clone(), &given)];
         let candidates = [
             candidate(0, given.clone(), &given),
-            candidate(1, plane(|x, _| x as f32 / 60.0), &given),
+            candidate(1, plane(|x, _| x as f32 / 120.0), &given),
             candidate(2, given.map(|c| c.map(|x| x + 1e-4)), &given),
         ];
-        let judged = judge(&given, &rights, &candidates);
+        let judged = judge(&given, Noise::LOSSLESS, &rights, &candidates);
         assert_eq!(judged.verdict, Verdict::Mistake);
         let found: Vec<(&str, bool)> = judged
             .findings
@@ -380,13 +397,13 @@ mod tests {
 
     #[test]
     fn an_unrelated_picture_is_not_explained_by_what_happens_to_help() {
-        let right = plane(|x, _| x as f32 / 40.0);
+        let right = plane(|x, _| x as f32 / 80.0);
         let given = plane(|x, y| if (x / 4 + y / 4) % 2 == 0 { 0.9 } else { 0.1 });
         let rights = [Right::new(Mode::Cast, right.clone(), &given)];
         let helps = right.map(|c| c.map(|x| 0.5 * x + 0.25));
         let candidates = [candidate(0, helps, &given)];
         assert_eq!(
-            judge(&given, &rights, &candidates).verdict,
+            judge(&given, Noise::LOSSLESS, &rights, &candidates).verdict,
             Verdict::Unexplained
         );
     }
@@ -395,7 +412,7 @@ mod tests {
     fn strewn_pixels_are_told_from_regions() {
         let (light, dark) = (plane(|_, _| 0.8), plane(|_, _| 0.2));
         let acne = plane(|x, y| if (x * 5 + y * 3) % 7 < 3 { 0.2 } else { 0.8 });
-        let shadow = plane(|x, y| if x < 16 && y < 12 { 0.2 } else { 0.8 });
+        let shadow = plane(|x, y| if x < 32 && y < 24 { 0.2 } else { 0.8 });
         assert_eq!(strewn(&acne, &light, &dark), Some(acne.clone()));
         assert_eq!(strewn(&shadow, &light, &dark), None);
         assert_eq!(strewn(&light, &light, &dark), None);

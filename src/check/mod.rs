@@ -17,9 +17,9 @@
 //! | `read` | picture files |
 //!
 //! **Error.** rmse of the stored values: the right picture is clamped, rounded and encoded as the given file is. **Noise.**
-//! The picture agrees with another one where rmse <= [`NOISE`] and the means of 8 x 8 pixels agree within [`NOISE_MEAN`]: so
+//! The picture agrees with another one where their rmse, and that of the means of 16 x 16 pixels, are within [`Noise`]: so
 //! 8-bit rounding and JPEG pass, a changed tone does not. Below that, a mistake is believed where it removes at least half of
-//! what it changes: as squares, half of |mistaken - right|^2, which noise does not do. **Ties.** Two mistakes whose pictures
+//! what it changes, in squares half of |mistaken - right|^2, and this is no chance. **Ties.** Two mistakes whose pictures
 //! differ by less than [`SAME`] on this scene, or that noise hides from each other, are named together.
 //!
 //! **Speed.** Pictures above [`FIRST_PASS`] pixels are first judged on every k-th pixel of every k-th row, k odd, which is
@@ -35,7 +35,7 @@ mod stage;
 mod telling;
 
 pub use judge::{Finding, Verdict};
-pub use measure::{NOISE, NOISE_MEAN, SAME};
+pub use measure::{Noise, SAME};
 pub use mistakes::{Group, Mistake, all};
 pub use telling::Telling;
 
@@ -120,6 +120,8 @@ pub struct Given {
     pub color: Plane<[f32; 3]>,
     /// The file holds 8 bits a channel.
     pub eight_bits: bool,
+    /// The file was compressed with a loss.
+    pub lossy: bool,
 }
 
 /// How to check.
@@ -156,7 +158,7 @@ pub struct Report {
     pub also: Vec<Mode>,
     /// rmse against the right picture of that mode.
     pub error: f64,
-    /// Of the means of 8 x 8 pixels.
+    /// Of the means of 16 x 16 pixels.
     pub error_of_means: f64,
     /// Largest difference of a value to the right picture.
     pub largest: f64,
@@ -210,7 +212,12 @@ pub fn check<R: Real>(
         let finals = Setup::<R>::new(scene, options, stored, 1)?;
         held = finals.with_stage(|stage| held.in_full(stage, &given.color, &stored))?;
     }
-    let judged = judge(&given.color, &held.rights, &held.candidates);
+    let noise = if given.lossy {
+        Noise::LOSSY
+    } else {
+        Noise::LOSSLESS
+    };
+    let judged = judge(&given.color, noise, &held.rights, &held.candidates);
     let cannot_show = unshown
         .into_iter()
         .filter(|(mode, m)| *mode == judged.mode && !shown.contains(&(*mode, *m)))
@@ -384,7 +391,7 @@ impl Held {
         for mode in self
             .rights
             .iter()
-            .filter(|r| wanted(r.mode) || r.error <= 1.2 * least + NOISE)
+            .filter(|r| wanted(r.mode) || r.error <= 1.2 * least + Noise::LOSSY.pixels)
         {
             let mode = mode.mode;
             let right = stage.right(mode)?;

@@ -77,7 +77,11 @@ fn decoded(bytes: &[u8], format: image::ImageFormat) -> Result<Given, String> {
         height,
         data,
     };
-    Ok(Given { color, eight_bits })
+    Ok(Given {
+        color,
+        eight_bits,
+        lossy: false,
+    })
 }
 
 /// The first layer of an EXR that has R, G and B.
@@ -107,6 +111,7 @@ fn exr(bytes: &[u8]) -> Result<Given, String> {
     Ok(Given {
         color,
         eight_bits: false,
+        lossy: false,
     })
 }
 
@@ -158,6 +163,7 @@ fn pfm(bytes: &[u8]) -> Result<Given, String> {
     Ok(Given {
         color,
         eight_bits: false,
+        lossy: false,
     })
 }
 

@@ -126,11 +126,8 @@ impl<R: Real> Stage<'_, R> {
             picture = turn.of(&picture);
         }
         if change.strewn {
-            let strewn = strewn(given, &stored.apply(right), &picture);
-            return Ok(strewn.map(|picture| Made {
-                picture,
-                turn: None,
-            }));
+            // Where they make regions, all of them are wrong, or something else is.
+            picture = strewn(given, &stored.apply(right), &picture).unwrap_or(picture);
         }
         let turn = change.turn;
         Ok(Some(Made { picture, turn }))

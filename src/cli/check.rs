@@ -363,7 +363,12 @@ impl Told<'_> {
         if names.is_empty() || self.report.verdict == Verdict::Unexplained {
             return String::new();
         }
-        let words = format!("Cannot show on this scene: {}.", names.join(", "));
+        let words = format!(
+            "Not to be seen on this scene, made or not ({} of {}): {}.",
+            names.len(),
+            check::all().len(),
+            names.join(", ")
+        );
         format!("\n{}", self.paragraph(0, &words))
     }
 }
