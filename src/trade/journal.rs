@@ -140,9 +140,9 @@ impl Journal {
         Ok(())
     }
 
-    /// The measurement of a setting.
+    /// The latest measurement of a setting: another number of ideal samples measures it again.
     pub fn measurement(&self, key: &str) -> Option<&Measured> {
-        self.measured.iter().find(|m| m.setting == key)
+        self.measured.iter().rev().find(|m| m.setting == key)
     }
 
     /// The latest time of a setting.

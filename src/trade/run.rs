@@ -118,19 +118,20 @@ pub fn run(
     let spent = |share: f64| start.elapsed().as_secs_f64() >= share * options.budget.as_secs_f64();
     let mut judge = Judge::new(scene, options.isa);
     let steps = tasks.len() * if options.times { 2 } else { 1 };
-    let mut measured = 0;
+    let (mut measured, mut fresh) = (0, 0);
     for (i, task) in tasks.iter().enumerate() {
         if task.done(journal.measurement(&key(&task.setting))) {
             measured += 1;
             continue;
         }
         let begun = task.truths.iter().all(|t| judge.has(*t)) && task.is_ideal();
-        if measured > 0 && spent(share) && !begun {
+        // However small the budget, a run gets one setting further.
+        if fresh > 0 && spent(share) && !begun {
             continue;
         }
         progress(i, steps, &task.setting.name(scene));
         journal.keep(judge.measure(&task.setting, &task.truths)?)?;
-        measured += 1;
+        (measured, fresh) = (measured + 1, fresh + 1);
     }
     let mut timed = [0; 2];
     if options.times {

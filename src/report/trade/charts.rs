@@ -1,6 +1,6 @@
 //! The plots of a trade: error against work with the front, and error against a knob.
 
-use super::plot::{Anchor, Ink, LogScale, Mark, Plot, Shape};
+use super::plot::{Anchor, Ink, LogScale, Mark, Plot, Shape, Words};
 use super::words::short;
 use crate::report::numbers::{tick, value};
 use crate::report::text::{Face, measure};
@@ -27,15 +27,14 @@ fn line(points: Vec<[f32; 2]>, ink: Ink, width: f32, dashed: bool) -> Mark {
 }
 
 fn words(at: [f32; 2], text: impl Into<String>, ink: Ink, size: f32, anchor: Anchor) -> Mark {
-    Mark::Text {
+    Mark::Text(Words {
         at,
         text: text.into(),
         ink,
         size,
-        bold: false,
         anchor,
         upright: false,
-    }
+    })
 }
 
 /// The rectangle of a chart between its scales, with rules, ticks and titles.
@@ -89,15 +88,14 @@ impl Paper {
         let middle = f32::midpoint(left, right);
         let at = [middle, bottom + 3.2 * self.size];
         marks.push(words(at, x_title, Ink::Grey, self.size, Anchor::Middle));
-        marks.push(Mark::Text {
+        marks.push(Mark::Text(Words {
             at: [1.1 * self.size, f32::midpoint(top, bottom)],
             text: y_title.to_owned(),
             ink: Ink::Grey,
             size: self.size,
-            bold: false,
             anchor: Anchor::Middle,
             upright: true,
-        });
+        }));
         marks
     }
 }
@@ -130,20 +128,29 @@ pub(super) fn front(trade: &Trade) -> Plot {
     let title = "work a pixel: exact counts of operations × their weights";
     let mut marks = paper.marks(title, "error: rmse of linear values", &paper.x.ticks());
     marks.extend(targets(&paper));
+    let on = points.iter().filter(|p| trade.rows[p.0].front).count();
+    marks.extend(dots(trade, &points, &paper));
+    Plot {
+        width,
+        height,
+        description: format!(
+            "Error against work of {} settings on logarithmic axes; {on} are on the Pareto front",
+            points.len()
+        ),
+        marks,
+    }
+}
+
+/// The border of the front, and the settings (row, work, error) with the names of those on it.
+fn dots(trade: &Trade, points: &[(usize, f64, f64)], paper: &Paper) -> Vec<Mark> {
     let place = |p: &(usize, f64, f64)| [paper.x.place(p.1), paper.y.place(p.2)];
-    let on: Vec<_> = points.iter().filter(|p| trade.rows[p.0].front).collect();
-    marks.push(line(
-        staircase(&on.iter().map(|p| place(p)).collect::<Vec<_>>()),
-        Ink::Ink,
-        1.4,
-        false,
-    ));
+    let is_on = |p: &&(usize, f64, f64)| trade.rows[p.0].front;
+    let on: Vec<_> = points.iter().filter(is_on).collect();
+    let border: Vec<[f32; 2]> = on.iter().map(|p| place(p)).collect();
+    let mut marks = vec![line(staircase(&border), Ink::Ink, 1.4, false)];
     // Dominated settings first, so that the front lies above them.
-    for p in points
-        .iter()
-        .filter(|p| !trade.rows[p.0].front)
-        .chain(on.iter().copied())
-    {
+    let behind = points.iter().filter(|p| !is_on(p));
+    for p in behind.chain(on.iter().copied()) {
         let row = &trade.rows[p.0];
         let (ink, shape) = style(row.renderer);
         marks.push(Mark::Dot {
@@ -163,17 +170,8 @@ pub(super) fn front(trade: &Trade) -> Plot {
     let labels = on
         .iter()
         .map(|p| (place(p), short(&trade.rows[p.0].setting)));
-    marks.extend(labelled(labels.collect(), &paper, size));
-    let count = on.len();
-    Plot {
-        width,
-        height,
-        description: format!(
-            "Error against work of {} settings on logarithmic axes; {count} are on the Pareto front",
-            points.len()
-        ),
-        marks,
-    }
+    marks.extend(labelled(labels.collect(), paper, paper.size));
+    marks
 }
 
 /// Dashed rules at the errors that answers are given for.

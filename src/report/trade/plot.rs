@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use maud::{Escaper, html};
-use tiny_skia::{FillRule, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
+use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
 use crate::error::Error;
 use crate::report::layout::{opaque, paper};
@@ -91,16 +91,19 @@ pub(super) enum Mark {
         /// What a pointer over it is told.
         title: String,
     },
-    Text {
-        at: [f32; 2],
-        text: String,
-        ink: Ink,
-        size: f32,
-        bold: bool,
-        anchor: Anchor,
-        /// A quarter turn to the left.
-        upright: bool,
-    },
+    Text(Words),
+}
+
+/// Words at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Words {
+    pub(super) at: [f32; 2],
+    pub(super) text: String,
+    pub(super) ink: Ink,
+    pub(super) size: f32,
+    pub(super) anchor: Anchor,
+    /// A quarter turn to the left.
+    pub(super) upright: bool,
 }
 
 /// A plot.
@@ -138,7 +141,7 @@ impl Shape {
 impl Plot {
     /// SVG for inside a page: colours are the page's variables.
     pub(super) fn inline(&self) -> String {
-        self.svg(Ink::variable, "")
+        self.svg("")
     }
 
     /// SVG as a file of its own: light or dark with the reader's system.
@@ -155,96 +158,16 @@ impl Plot {
             sheet(false),
             sheet(true)
         );
-        self.svg(Ink::variable, &style)
+        self.svg(&style)
     }
 
-    fn svg(&self, color: impl Fn(Ink) -> String, style: &str) -> String {
+    fn svg(&self, style: &str) -> String {
         let (w, h) = (self.width, self.height);
         let label = escaped(&self.description);
-        let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{label}\">{style}"
-        );
-        for mark in &self.marks {
-            // Writing to a String never fails.
-            let _ = match mark {
-                Mark::Line {
-                    points,
-                    ink,
-                    width,
-                    dashed,
-                } => {
-                    let dash = if *dashed {
-                        " stroke-dasharray=\"5 4\""
-                    } else {
-                        ""
-                    };
-                    write!(
-                        out,
-                        "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>",
-                        places(points),
-                        color(*ink)
-                    )
-                }
-                Mark::Dot {
-                    at,
-                    shape,
-                    ink,
-                    radius,
-                    filled,
-                    title,
-                } => {
-                    let ink = color(*ink);
-                    let fill = if *filled {
-                        ink.clone()
-                    } else {
-                        color(Ink::Paper)
-                    };
-                    let paint = format!("fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"1.4\"");
-                    let title = escaped(title);
-                    let corners = shape.corners(*at, *radius);
-                    let form = if corners.is_empty() {
-                        let [x, y] = at;
-                        format!("circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"")
-                    } else {
-                        format!("polygon points=\"{}\"", places(&corners))
-                    };
-                    let name = if corners.is_empty() {
-                        "circle"
-                    } else {
-                        "polygon"
-                    };
-                    write!(out, "<{form} {paint}><title>{title}</title></{name}>")
-                }
-                Mark::Text {
-                    at: [x, y],
-                    text,
-                    ink,
-                    size,
-                    bold,
-                    anchor,
-                    upright,
-                } => {
-                    let anchor = match anchor {
-                        Anchor::Start => "start",
-                        Anchor::Middle => "middle",
-                        Anchor::End => "end",
-                    };
-                    let weight = if *bold { " font-weight=\"600\"" } else { "" };
-                    let turn = if *upright {
-                        format!(" transform=\"rotate(-90 {x:.1} {y:.1})\"")
-                    } else {
-                        String::new()
-                    };
-                    write!(
-                        out,
-                        "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{}\"{weight}{turn}>{}</text>",
-                        color(*ink),
-                        escaped(text)
-                    )
-                }
-            };
-        }
-        out + "</svg>"
+        let elements: String = self.marks.iter().map(element).collect();
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{label}\">{style}{elements}</svg>"
+        )
     }
 
     /// Pixels, `scale` to a unit, on white.
@@ -258,6 +181,92 @@ impl Plot {
             draw(&mut pixmap, mark, scale);
         }
         Ok(opaque(&pixmap))
+    }
+}
+
+/// A mark as an element of SVG.
+fn element(mark: &Mark) -> String {
+    match mark {
+        Mark::Line {
+            points,
+            ink,
+            width,
+            dashed,
+        } => {
+            let dash = if *dashed {
+                " stroke-dasharray=\"5 4\""
+            } else {
+                ""
+            };
+            let (points, ink) = (places(points), ink.variable());
+            format!(
+                "<polyline points=\"{points}\" fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>"
+            )
+        }
+        Mark::Dot {
+            at: [x, y],
+            shape,
+            ink,
+            radius,
+            filled,
+            title,
+        } => {
+            let fill = if *filled { *ink } else { Ink::Paper }.variable();
+            let corners = shape.corners([*x, *y], *radius);
+            let (name, form) = if corners.is_empty() {
+                (
+                    "circle",
+                    format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\""),
+                )
+            } else {
+                ("polygon", format!("points=\"{}\"", places(&corners)))
+            };
+            let (ink, title) = (ink.variable(), escaped(title));
+            format!(
+                "<{name} {form} fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"1.4\"><title>{title}</title></{name}>"
+            )
+        }
+        Mark::Text(words) => words.element(),
+    }
+}
+
+impl Words {
+    fn element(&self) -> String {
+        let [x, y] = self.at;
+        let anchor = match self.anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let turn = if self.upright {
+            format!(" transform=\"rotate(-90 {x:.1} {y:.1})\"")
+        } else {
+            String::new()
+        };
+        let (size, ink, text) = (self.size, self.ink.variable(), escaped(&self.text));
+        format!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{ink}\"{turn}>{text}</text>"
+        )
+    }
+
+    fn draw(&self, pixmap: &mut Pixmap, scale: f32) {
+        let span = Span::new(
+            self.text.as_str(),
+            Face::Regular,
+            self.size * scale,
+            self.ink.entry().2,
+        );
+        let back = match self.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * span.width(),
+            Anchor::End => span.width(),
+        };
+        let [x, y] = self.at.map(|v| v * scale);
+        if self.upright {
+            write_upright(pixmap, &span, x, y + back);
+        } else {
+            text::draw(pixmap, &[span], x - back, y);
+        }
     }
 }
 
@@ -279,22 +288,6 @@ fn places(points: &[[f32; 2]]) -> String {
 
 /// Draws a mark on a pixmap.
 fn draw(pixmap: &mut Pixmap, mark: &Mark, scale: f32) {
-    let at = |[x, y]: [f32; 2]| (x * scale, y * scale);
-    let through = |points: &[[f32; 2]], close: bool| {
-        let mut path = PathBuilder::new();
-        for (i, point) in points.iter().enumerate() {
-            let (x, y) = at(*point);
-            if i == 0 {
-                path.move_to(x, y);
-            } else {
-                path.line_to(x, y);
-            }
-        }
-        if close {
-            path.close();
-        }
-        path.finish()
-    };
     let whole = Transform::identity();
     match mark {
         Mark::Line {
@@ -303,31 +296,29 @@ fn draw(pixmap: &mut Pixmap, mark: &Mark, scale: f32) {
             width,
             dashed,
         } => {
+            let pattern = StrokeDash::new(vec![5.0 * scale, 4.0 * scale], 0.0);
             let stroke = Stroke {
                 width: width * scale,
-                dash: dashed
-                    .then(|| StrokeDash::new(vec![5.0 * scale, 4.0 * scale], 0.0))
-                    .flatten(),
+                dash: pattern.filter(|_| *dashed),
                 ..Stroke::default()
             };
-            if let Some(path) = through(points, false) {
+            if let Some(path) = outline(points, scale, false) {
                 pixmap.stroke_path(&path, &text::paint(ink.entry().2), &stroke, whole, None);
             }
         }
         Mark::Dot {
-            at: place,
+            at: [x, y],
             shape,
             ink,
             radius,
             filled,
             ..
         } => {
-            let corners = shape.corners(*place, *radius);
+            let corners = shape.corners([*x, *y], *radius);
             let path = if corners.is_empty() {
-                let (x, y) = at(*place);
-                PathBuilder::from_circle(x, y, radius * scale)
+                PathBuilder::from_circle(x * scale, y * scale, radius * scale)
             } else {
-                through(&corners, true)
+                outline(&corners, scale, true)
             };
             let stroke = Stroke {
                 width: 1.4 * scale,
@@ -340,30 +331,24 @@ fn draw(pixmap: &mut Pixmap, mark: &Mark, scale: f32) {
                 pixmap.stroke_path(&path, &text::paint(ink.entry().2), &stroke, whole, None);
             }
         }
-        Mark::Text {
-            at: place,
-            text: words,
-            ink,
-            size,
-            bold,
-            anchor,
-            upright,
-        } => {
-            let face = if *bold { Face::SemiBold } else { Face::Regular };
-            let span = Span::new(words.as_str(), face, size * scale, ink.entry().2);
-            let back = match anchor {
-                Anchor::Start => 0.0,
-                Anchor::Middle => 0.5 * span.width(),
-                Anchor::End => span.width(),
-            };
-            let (x, y) = at(*place);
-            if *upright {
-                write_upright(pixmap, &span, x, y + back);
-            } else {
-                text::draw(pixmap, &[span], x - back, y);
-            }
+        Mark::Text(words) => words.draw(pixmap, scale),
+    }
+}
+
+/// A path through points; none through fewer than two.
+fn outline(points: &[[f32; 2]], scale: f32, close: bool) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for (i, [x, y]) in points.iter().enumerate() {
+        if i == 0 {
+            path.move_to(x * scale, y * scale);
+        } else {
+            path.line_to(x * scale, y * scale);
         }
     }
+    if close {
+        path.close();
+    }
+    path.finish()
 }
 
 /// Text that runs upwards from a place: set on paper of its own, then turned.
@@ -475,15 +460,14 @@ mod tests {
                     filled: true,
                     title: "x & y".into(),
                 },
-                Mark::Text {
+                Mark::Text(Words {
                     at: [10.0, 60.0],
                     text: "error".into(),
                     ink: Ink::Ink,
                     size: 12.0,
-                    bold: false,
                     anchor: Anchor::Middle,
                     upright: true,
-                },
+                }),
             ],
         }
     }
