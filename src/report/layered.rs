@@ -99,17 +99,17 @@ fn attributes(view: View, layers: &[NamedLayer]) -> LayerAttributes {
     }
 }
 
-/// How the layers add up: those of the picture, and the rasterizer's beside them.
+/// How the layers add up: those of the picture, a name a line, and the rasterizer's beside them.
 fn sums(layers: &[NamedLayer]) -> String {
     let names = layers.iter().map(|layer| layer.name.as_str());
     let (raster, own): (Vec<_>, Vec<_>) = names.partition(|name| name.starts_with(RASTER));
     let mut text = String::new();
-    if !own.is_empty() {
-        text += " The unclamped linear picture is the sum of its layers in this order: ";
-        text += &own.join(", ");
-    }
     if !raster.is_empty() {
-        text += "; the rasterizer's picture is that of raster.* alike";
+        text += " Layers raster.* are the rasterizer's and add up to its picture alike.";
+    }
+    if !own.is_empty() {
+        text += " The unclamped linear picture is the sum of its layers in this order:\n";
+        text += &own.join("\n");
     }
     text
 }
