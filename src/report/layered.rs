@@ -105,19 +105,19 @@ fn attributes(view: View, layers: &[NamedLayer]) -> LayerAttributes {
     }
 }
 
-/// How the layers add up: those of the picture, and the rasterizer's beside them.
+/// How the layers add up: those of the picture, a name a line, and the rasterizer's beside them.
 fn sums(layers: &[NamedLayer]) -> String {
     let names = layers.iter().map(|layer| layer.name.as_str());
     let (raster, others): (Vec<_>, Vec<_>) = names.partition(|name| name.starts_with(RASTER));
     let aside = |name: &&str| name.starts_with(UNSHADOWED) || name.starts_with(SPLIT);
     let (aside, own): (Vec<_>, Vec<_>) = others.into_iter().partition(aside);
     let mut text = String::new();
-    if !own.is_empty() {
-        text += " The unclamped linear picture is the sum of its layers in this order: ";
-        text += &own.join(", ");
-    }
     if !raster.is_empty() {
-        text += "; the rasterizer's picture is that of raster.* alike";
+        text += " Layers raster.* are the rasterizer's and add up to its picture alike.";
+    }
+    if !own.is_empty() {
+        text += " The unclamped linear picture is the sum of its layers in this order:\n";
+        text += &own.join("\n");
     }
     if !aside.is_empty() {
         text += "; unshadowed.* (light without shadows) and split.* (reflection and refraction by light) add nothing to either";

@@ -92,8 +92,7 @@ fn layers_are_named_as_other_programs_group_them_and_add_up() {
 
 /// The names of the layers in the order of their sum, from the comment.
 fn order(comments: &str) -> Vec<String> {
-    let (_, list) = comments.split_once("in this order: ").expect("an order");
-    let (list, raster) = list.split_once("; ").expect("the rasterizer's layers");
-    assert!(raster.contains("raster.*"), "{raster}");
-    list.split(", ").map(str::to_owned).collect()
+    let (values, list) = comments.split_once("in this order:\n").expect("an order");
+    assert!(values.contains("raster.*"), "{values}");
+    list.lines().map(str::to_owned).collect()
 }

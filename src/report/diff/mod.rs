@@ -406,10 +406,10 @@ impl DiffSummary {
         let m = &self.metrics;
         let decibel = |x: f64| format!("{x:.2} dB");
         let flip = match self.flip.exposures {
-            None => format!("FLIP at {} pixels per degree", value(self.flip.ppd)),
+            None => format!("FLIP at {} pixels per degree", self.flip.ppd),
             Some((_, _, n)) => format!(
                 "HDR-FLIP at {} pixels per degree, the worst of {n} exposures",
-                value(self.flip.ppd)
+                self.flip.ppd
             ),
         };
         let rows = [
@@ -434,8 +434,8 @@ impl DiffSummary {
                 value(m.p50),
                 "half of the values are off by no more than this".to_owned(),
             ),
-            ("p95", value(m.p95), "95 % of them are".to_owned()),
-            ("p99", value(m.p99), "99 % of them are".to_owned()),
+            ("p95", value(m.p95), "95 % of the values are".to_owned()),
+            ("p99", value(m.p99), "99 % of the values are".to_owned()),
             (
                 "psnr",
                 m.psnr.map_or("none".into(), decibel),

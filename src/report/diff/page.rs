@@ -85,7 +85,13 @@ impl Diff {
         html! {
             section {
                 h2 { "The difference in numbers" }
-                p { "B against A, over all pixels and channels, on the values as stored." }
+                p {
+                    "B against A, over all pixels and channels, on the values as stored"
+                    @for (side, name) in [(&self.summary.a, "A"), (&self.summary.b, "B")] {
+                        @if side.decoded { ", those of " (name) " decoded from sRGB" }
+                    }
+                    "."
+                }
                 div.scroll {
                     table {
                         thead { tr {
