@@ -104,7 +104,9 @@ fn every_example_of_the_help_runs() {
             if matches!(args[0], "render" | "compare" | "lecture") && !args.contains(&"--size") {
                 args.extend(["--size", "64x48"]);
             }
-            if args[0] == "trade" {
+            if args.contains(&"--extremes") {
+                args.extend(["--size", "8x6"]);
+            } else if args[0] == "trade" {
                 args.extend(["--size", "16x12", "--ideal-samples", "4"]);
                 if !args.contains(&"--budget") {
                     args.extend(["--budget", "1"]);
