@@ -77,7 +77,9 @@ pub(super) struct Forked {
     pub(super) refraction: Option<Path>,
     /// What the mirror ray is weighted with here.
     pub(super) mirror: Rgb,
-    /// What became of K_T; `None` where nothing transmits.
+    /// K_T here; 0 where nothing transmits.
+    pub(super) transmission: Rgb,
+    /// What became of it; `None` where nothing transmits.
     pub(super) passage: Option<Passage>,
 }
 
@@ -86,7 +88,7 @@ impl Fork<'_> {
     pub(super) fn branches(&self, media: &mut Media) -> Forked {
         let mut mirror = self.optics.reflection;
         let mut refraction = None;
-        let mut passed = None;
+        let (mut passed, mut transmission) = (None, [0.0; 3]);
         if self.optics.is_transmissive() {
             let passage = self.transmit(media);
             let k_t = self.optics.transmission;
@@ -97,7 +99,7 @@ impl Fork<'_> {
             refraction = beyond.and_then(|(direction, part, media)| {
                 self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
             });
-            passed = Some(passage);
+            (passed, transmission) = (Some(passage), k_t);
         }
         let reflection = (self.wanted[0] && mirror != [0.0; 3])
             .then(|| self.mirror_direction())
@@ -106,6 +108,7 @@ impl Fork<'_> {
             reflection,
             refraction,
             mirror,
+            transmission,
             passage: passed,
         }
     }

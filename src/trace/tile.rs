@@ -455,7 +455,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         };
         let forked = fork.branches(&mut self.media);
         if let Some(record) = &mut self.record {
-            record.fork(tag, &forked, optics.transmission);
+            record.fork(tag, &forked);
         }
         let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());
