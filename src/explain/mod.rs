@@ -242,10 +242,6 @@ impl<'a, R: Real> Plans<'a, R> {
             rays: tree::rays(&local, &traced, self.scene.trace.depth),
         };
         let light_model = &self.scene.light_model;
-        let step = |(i, name)| Cause {
-            name,
-            rgb: less(rungs[i + 1], rungs[i]),
-        };
         Ok(Explanation {
             scene: self.scene.name.clone(),
             pixel,
@@ -261,7 +257,7 @@ impl<'a, R: Real> Plans<'a, R> {
             raster,
             trace,
             difference: less(rungs[9], rungs[0]),
-            causes: CAUSES.into_iter().enumerate().map(step).collect(),
+            causes: causes(&rungs),
             rungs: rungs.to_vec(),
             limited,
         })
@@ -298,6 +294,17 @@ impl<'a, R: Real> Plans<'a, R> {
             shadows: self.options.ladder.shadows,
         }
     }
+}
+
+/// The steps between neighbouring rungs.
+fn causes(rungs: &[Rgb; 10]) -> Vec<Cause> {
+    let steps = CAUSES.into_iter().zip(rungs.windows(2));
+    steps
+        .map(|(name, pair)| Cause {
+            name,
+            rgb: less(pair[1], pair[0]),
+        })
+        .collect()
 }
 
 /// The sample nearest to the centre of a pixel, and where each one lies.

@@ -314,7 +314,7 @@ impl<'a, R: Real> Plan<'a, R> {
         options: &Options,
         pixel: [u32; 2],
         record: Option<Box<Record<R>>>,
-    ) -> Result<(Frame<R>, Option<Box<Record<R>>>), Error> {
+    ) -> Result<Pixel<R>, Error> {
         check_image(self.scene)?;
         let pixel = self.scene.image.check_pixel(pixel)?;
         let mode = Mode::new(self, options);
@@ -434,6 +434,9 @@ impl<'a, R: Real> Plan<'a, R> {
         self.view.ray([x, y])
     }
 }
+
+/// A picture of one pixel, and what was written down about it.
+type Pixel<R> = (Frame<R>, Option<Box<Record<R>>>);
 
 /// A vertex beyond near, far or 2^29 units, or without a snap grid: its triangles take the long way.
 const BY_SIDES: [i32; 2] = [i32::MIN; 2];

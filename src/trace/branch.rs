@@ -85,7 +85,9 @@ pub(super) struct Forked {
     pub(super) refraction: Option<Path>,
     /// What the mirror ray is weighted with here.
     pub(super) mirror: Rgb,
-    /// What became of K_T; `None` where nothing transmits.
+    /// K_T here; 0 where nothing transmits.
+    pub(super) transmission: Rgb,
+    /// What became of it; `None` where nothing transmits.
     pub(super) passage: Option<Passage>,
 }
 
@@ -94,7 +96,7 @@ impl Fork<'_> {
     pub(super) fn branches(&self, media: &mut Media) -> Forked {
         let mut mirror = self.optics.reflection;
         let mut refraction = None;
-        let mut passed = None;
+        let (mut passed, mut transmission) = (None, [0.0; 3]);
         if self.optics.is_transmissive() {
             let passage = self.transmit(media);
             let k_t = self.transmission();
@@ -105,7 +107,7 @@ impl Fork<'_> {
             refraction = beyond.and_then(|(direction, part, media)| {
                 self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
             });
-            passed = Some(passage);
+            (passed, transmission) = (Some(passage), k_t);
         }
         let reflection = (self.wanted[0] && mirror != [0.0; 3])
             .then(|| self.mirror_direction())
@@ -114,6 +116,7 @@ impl Fork<'_> {
             reflection,
             refraction,
             mirror,
+            transmission,
             passage: passed,
         }
     }

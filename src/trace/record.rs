@@ -199,7 +199,7 @@ impl<R: Real> Record<R> {
     }
 
     /// The secondary rays of a hit.
-    pub(super) fn fork(&mut self, tag: u32, forked: &Forked, k_t: Rgb) {
+    pub(super) fn fork(&mut self, tag: u32, forked: &Forked) {
         if !self.keeps() {
             return;
         }
@@ -216,7 +216,9 @@ impl<R: Real> Record<R> {
         let reflection = child(exists, Kind::Reflection, forked.mirror);
         let passage = forked.passage.as_ref().map(|passage| {
             let part = passage.beyond.as_ref().map(|(_, part, _)| *part);
-            let weight = k_t.map(|k| k * part.unwrap_or(1.0 - passage.reflected));
+            let weight = forked
+                .transmission
+                .map(|k| k * part.unwrap_or(1.0 - passage.reflected));
             let exists = forked.refraction.is_some();
             PassageRecord {
                 weight,

@@ -529,9 +529,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             bends: self.plan.needs.has(Feature::Tir),
             faults: &self.plan.faults,
         };
-        let (forked, k_t) = (fork.branches(&mut self.media), fork.transmission());
+        let forked = fork.branches(&mut self.media);
         if let Some(record) = &mut self.record {
-            record.fork(tag, &forked, k_t);
+            record.fork(tag, &forked);
         }
         let (reflection, refraction) = (forked.reflection, forked.refraction);
         self.counters.rays.reflection += u64::from(reflection.is_some());

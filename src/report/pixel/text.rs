@@ -4,6 +4,7 @@ use super::sheet::{FAINT, HEADING, NAME, STRONG, Sheet, cells, styled, swatch};
 use super::terms::{self, LABEL};
 use super::{branches, degrees, short, triple, vector};
 use crate::explain::{Blended, Explanation, Hit, Raster, Ray, Vertex};
+use crate::gl::SpecularModel;
 use crate::math::color::Rgb;
 use crate::report::causes::CAUSES;
 use crate::report::equation::{Form, Term, pieces, plain};
@@ -122,7 +123,12 @@ fn equation(sheet: &mut Sheet, form: Form) {
     let rest = whole.chars().count().saturating_sub(local + 3 + 2 + 13);
     let right = format!("└{} tracer only {}┘", fill(rest / 2), fill(rest - rest / 2));
     sheet.line(&styled(FAINT, format!("      {left}   {right}")));
-    let half = whole.contains("N·H");
+    symbols(sheet, form);
+}
+
+/// What each symbol stands for.
+fn symbols(sheet: &mut Sheet, form: Form) {
+    let half = form.specular == SpecularModel::HalfVector;
     let mirror = if form.mirror_is_specular {
         ("I_R", "light from the mirror direction; K_S weighs it, too")
     } else {
