@@ -12,7 +12,7 @@
 //! modes the one with the smallest remainders is taken. **Layers** that are one number times one of a few colours ([`tone`])
 //! keep that number, a palette and an index. **8-bit pictures** ([`bytes`]) keep their distance to their rounded float twin.
 //!
-//! Measured (2026-11): see [`super::live`].
+//! How small that is: [`super::live`].
 
 use std::collections::HashMap;
 use std::io::Write;

@@ -4,6 +4,11 @@
 //! 15 MB, so there is a budget. What does not fit is left out in a stated order, and [`Live::left_out`] says it: lights
 //! share sliders (the first three alone, then all in one group), then no mixer, no further shade models, no inner rungs, and
 //! at last no moving part at all.
+//!
+//! Measured (2026-11, whole page): `lights` (four lights) at 1024 x 768 2.8 MB; `whitted` with four lights, so with mirrors and
+//! glass, 5.6 MB, of which 2.2 MB are pictures, 2.1 MB layers, 0.4 MB explained pixels; at 320 x 240 with 4 samples 2.2 MB;
+//! `12-eight-lights` at 320 x 240 1.3 MB. Bound of the mixer's error at strength 2: 6e-4 to 1.5e-3 of the larger of 1 and the
+//! largest layer (2^-9 is 2.0e-3).
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
