@@ -305,7 +305,7 @@ impl Bench<'_> {
 
     fn unexplained(&self) -> Judged {
         let least = self.nearest().error;
-        let helps = |c: &Candidate| c.mode == self.nearest().mode && c.error < 0.9 * least;
+        let helps = |c: &Candidate| c.mode == self.nearest().mode && c.error < 0.75 * least;
         let mut findings = self.findings(None, helps);
         findings.truncate(2);
         Judged {

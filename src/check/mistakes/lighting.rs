@@ -59,8 +59,8 @@ fn equation() -> Vec<Mistake> {
         Mistake {
             name: "clamp-per-light",
             title: "Each light is clamped to 1",
-            what: "What one light gives is limited to [0, 1] before the lights are added. Where a light is brighter than 1 \
-                   in some channel, or its terms together are, that is lost.",
+            what: "What one light gives is limited to [0, 1] before the lights are added. A clamped picture shows it only \
+                   where the sum is weakened later: in mirrors and through glass.",
             remedy: "Add all terms of all lights without a limit, and clamp the sum once, at the end.",
             make: |c| {
                 c.lighting(|f| f.early = Early::ClampLight);
@@ -71,7 +71,8 @@ fn equation() -> Vec<Mistake> {
         Mistake {
             name: "clamp-per-term",
             title: "Each term is clamped to 1",
-            what: "Ambient, diffuse and specular are each limited to [0, 1] before they are added, light by light.",
+            what: "Ambient, diffuse and specular are each limited to [0, 1] before they are added, light by light. A clamped \
+                   picture shows it only where the sum is weakened later: in mirrors and through glass.",
             remedy: "Add all terms of all lights without a limit, and clamp the sum once, at the end.",
             make: |c| {
                 c.lighting(|f| f.early = Early::ClampTerm);
