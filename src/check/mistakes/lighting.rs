@@ -217,7 +217,7 @@ fn places() -> Vec<Mistake> {
         },
         Mistake {
             name: "directional-attenuated",
-            title: "Directional lights are attenuated, by the length of their direction",
+            title: "Directional lights are attenuated, by their length",
             what: "The attenuation is applied to directional lights as well, with the length of the direction for a distance.",
             remedy: "A light with w = 0 has no distance: its attenuation is 1, whatever c, l and q are.",
             make: |c| {
