@@ -251,8 +251,8 @@ fn places() -> Vec<Mistake> {
             name: "direction-reversed",
             title: "Directional lights come from the wrong side",
             what: "The way that a directional light travels is taken for the way to the light.",
-            remedy: "`direction` in a scene is the way the light travels: L is its opposite. (A `position` with w = 0 is the \
-                     way to the light.)",
+            remedy: "`direction` in a scene is the way the light travels: L is its opposite. A `position` with w = 0 is the \
+                     way to the light.",
             make: |c| {
                 c.lights(|light| {
                     let [x, y, z, w] = light.source.position;
