@@ -131,8 +131,8 @@ enum Plant {
     Pixels(fn(&Values) -> Values),
     /// The right picture's layers, summed wrongly.
     Layers(fn(&[Vec<[f32; 3]>]) -> Vec<[f32; 3]>),
-    /// The small tracer.
-    Tracer(fn(&mut Wrong)),
+    /// The small tracer, in a world.
+    Tracer(fn() -> World, fn(&mut World, &mut Wrong)),
     /// The small rasterizer.
     Gouraud(fn(&mut Wrong)),
 }
@@ -164,11 +164,6 @@ impl Planted {
             height: HEIGHT,
             data,
         };
-        let wrong = |put: fn(&mut Wrong)| {
-            let mut wrong = Wrong::default();
-            put(&mut wrong);
-            wrong
-        };
         let picture = match self.plant {
             Plant::Text(sets) => draw(&load(self.scene, sets, size), self.mode, false).0,
             Plant::Edited(text) => draw(&load(Source::Own(text), &[], size), self.mode, false).0,
@@ -178,14 +173,16 @@ impl Planted {
                 let planes: Vec<_> = layers.planes.into_iter().map(|p| p.data).collect();
                 plane(sum(&planes))
             }
-            Plant::Tracer(put) => {
-                let (mut world, wrong) = (balls(), wrong(put));
-                if self.name == "reflection-not-recursive" {
-                    world.depth = 1;
-                }
+            Plant::Tracer(world, put) => {
+                let (mut world, mut wrong) = (world(), Wrong::default());
+                put(&mut world, &mut wrong);
                 plane(world.picture(WIDTH, HEIGHT, wrong))
             }
-            Plant::Gouraud(put) => plane(gouraud(&stage(), &sheet(), WIDTH, HEIGHT, wrong(put))),
+            Plant::Gouraud(put) => {
+                let mut wrong = Wrong::default();
+                put(&mut wrong);
+                plane(gouraud(&stage(), &sheet(), WIDTH, HEIGHT, wrong))
+            }
         };
         (scene, eight_bits(&picture), right)
     }
@@ -226,7 +223,8 @@ impl Planted {
 const WHITTED: Source = Source::Shipped("whitted");
 const LIGHTS: Source = Source::Shipped("lights");
 const TWO_SIDED: Source = Source::Shipped("two-sided");
-const BALLS: Source = Source::Own(balls_text);
+const BALLS: Source = Source::Own(|| world_text(&balls()));
+const BRIGHT: Source = Source::Own(|| world_text(&bright_balls()));
 const STAGE: Source = Source::Own(stage_text);
 
 const PLAIN: Matter = Matter {
@@ -287,9 +285,15 @@ fn balls() -> World {
     }
 }
 
-/// The same for the crate.
-fn balls_text() -> String {
-    let world = balls();
+/// The same under a lamp that is too bright: a clamped sum hides what is clamped earlier but in mirrors.
+fn bright_balls() -> World {
+    let mut world = balls();
+    world.lamps[0].color = [2.4, 2.0, 1.8];
+    world
+}
+
+/// A world for the crate.
+fn world_text(world: &World) -> String {
     let mut text = format!(
         "[image]\nbackground = {:?}\n[camera]\neye = {:?}\ntarget = {:?}\nfovy = {:?}\nnear = 0.1\n\
          [light_model]\nambient = {:?}\n[trace]\ndepth = {}\n",
@@ -476,11 +480,6 @@ fn summed_in_bytes(layers: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
     summed(layers, |x| f32::from(quantize8(x)) / 255.0)
 }
 
-/// Every layer clamped, then the sum.
-fn summed_clamped(layers: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
-    summed(layers, |x| x.clamp(0.0, 1.0))
-}
-
 fn summed(layers: &[Vec<[f32; 3]>], change: fn(f32) -> f32) -> Vec<[f32; 3]> {
     let sum = |i: usize| {
         let terms = layers.iter().map(|layer| layer[i].map(change));
@@ -498,19 +497,19 @@ const FEW: &[Planted] = &[
         "no-ray-offset",
         BALLS,
         Trace,
-        Tracer(|w| w.no_offset = true),
+        Tracer(balls, |_, w| w.no_offset = true),
     ),
     planted(
         "shadow-ray-endless",
         BALLS,
         Trace,
-        Tracer(|w| w.endless = true),
+        Tracer(balls, |_, w| w.endless = true),
     ),
     planted(
         "ratio-kept-inside",
         BALLS,
         Trace,
-        Tracer(|w| w.ratio_kept = true),
+        Tracer(balls, |_, w| w.ratio_kept = true),
     ),
     planted(
         "reflection-for-half-vector",
@@ -552,70 +551,85 @@ const MORE: &[Planted] = &[
         "offset-too-large",
         BALLS,
         Trace,
-        Tracer(|w| w.offset = Some(0.12)),
+        Tracer(balls, |_, w| w.offset = Some(0.12)),
     ),
     planted(
         "directional-unblocked",
         BALLS,
         Trace,
-        Tracer(|w| w.sun_unblocked = true),
+        Tracer(balls, |_, w| w.sun_unblocked = true),
     ),
     planted(
         "shadows-missing",
         BALLS,
         Trace,
-        Tracer(|w| w.no_shadows = true),
+        Tracer(balls, |_, w| w.no_shadows = true),
     ),
     planted(
         "eta-inverted",
         BALLS,
         Trace,
-        Tracer(|w| w.eta_inverted = true),
+        Tracer(balls, |_, w| w.eta_inverted = true),
     ),
     planted(
         "normal-kept-inside",
         BALLS,
         Trace,
-        Tracer(|w| w.normal_kept = true),
+        Tracer(balls, |_, w| w.normal_kept = true),
     ),
-    planted("farther-root", BALLS, Trace, Tracer(|w| w.far_root = true)),
-    planted("first-hit", BALLS, Trace, Tracer(|w| w.first_hit = true)),
-    planted("reflection-not-recursive", BALLS, Trace, Tracer(|_| {})),
+    planted(
+        "farther-root",
+        BALLS,
+        Trace,
+        Tracer(balls, |_, w| w.far_root = true),
+    ),
+    planted(
+        "first-hit",
+        BALLS,
+        Trace,
+        Tracer(balls, |_, w| w.first_hit = true),
+    ),
+    planted(
+        "reflection-not-recursive",
+        BALLS,
+        Trace,
+        Tracer(balls, |world, _| world.depth = 1),
+    ),
     planted(
         "normals-not-normalised",
         BALLS,
         Trace,
-        Tracer(|w| w.normal_length = true),
+        Tracer(balls, |_, w| w.normal_length = true),
     ),
     planted(
         "clamp-per-light",
-        BALLS,
+        BRIGHT,
         Trace,
-        Tracer(|w| w.clamp_light = true),
+        Tracer(bright_balls, |_, w| w.clamp_light = true),
     ),
     planted(
         "transmission-once-a-body",
         BALLS,
         Trace,
-        Tracer(|w| w.once_a_body = true),
+        Tracer(balls, |_, w| w.once_a_body = true),
     ),
     planted(
         "half-pixel-up-left",
         BALLS,
         Trace,
-        Tracer(|w| w.corner = true),
+        Tracer(balls, |_, w| w.corner = true),
     ),
     planted(
         "aspect-missing",
         BALLS,
         Trace,
-        Tracer(|w| w.no_aspect = true),
+        Tracer(balls, |_, w| w.no_aspect = true),
     ),
     planted(
         "field-of-view-horizontal",
         BALLS,
         Trace,
-        Tracer(|w| w.fov_across = true),
+        Tracer(balls, |_, w| w.fov_across = true),
     ),
     planted(
         "ambient-missing",
@@ -687,7 +701,12 @@ const MORE: &[Planted] = &[
         Phong,
         Text(&["light_model.local_viewer=false"]),
     ),
-    planted("clamp-per-term", STAGE, Phong, Layers(summed_clamped)),
+    planted(
+        "clamp-per-term",
+        BRIGHT,
+        Trace,
+        Tracer(bright_balls, |_, w| w.clamp_term = true),
+    ),
     planted("columns-mirrored", TWO_SIDED, Trace, Pixels(mirrored)),
     planted(
         "exponent-a-quarter",

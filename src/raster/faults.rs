@@ -9,8 +9,7 @@ use crate::lighting;
 pub struct Faults {
     /// Mistakes in the lighting equation.
     pub lighting: lighting::Faults,
-    /// Attributes are interpolated with the weights of the window, without the division by w (GL 2.1 section 3.5.1 allows
-    /// that for colours nowhere).
+    /// Attributes are interpolated with the weights of the window: the division by w is left out (GL 2.1 section 3.5.1).
     pub affine: bool,
     /// Per-fragment normals keep the length that interpolation leaves.
     pub normals_unnormalized: bool,

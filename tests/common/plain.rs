@@ -53,6 +53,7 @@ pub(crate) struct Wrong {
     pub(crate) first_hit: bool,
     pub(crate) normal_length: bool,
     pub(crate) clamp_light: bool,
+    pub(crate) clamp_term: bool,
     pub(crate) unlit_specular: bool,
     pub(crate) once_a_body: bool,
     pub(crate) corner: bool,
@@ -291,8 +292,12 @@ fn local(
     } else {
         0.0
     };
-    let clamped = |x: f64| if wrong.clamp_light { x.min(1.0) } else { x };
-    [0, 1, 2].map(|k| clamped((m.color[k] * diffuse + m.specular * highlight) * light[k]))
+    let clamped = |yes: bool, x: f64| if yes { x.min(1.0) } else { x };
+    [0, 1, 2].map(|k| {
+        let diffuse = clamped(wrong.clamp_term, m.color[k] * diffuse * light[k]);
+        let specular = clamped(wrong.clamp_term, m.specular * highlight * light[k]);
+        clamped(wrong.clamp_light, diffuse + specular)
+    })
 }
 
 /// Triangles lit at their corners: positions and normals in the world, three numbers a triangle.

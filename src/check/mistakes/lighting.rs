@@ -59,8 +59,8 @@ fn equation() -> Vec<Mistake> {
         Mistake {
             name: "clamp-per-light",
             title: "Each light is clamped to 1",
-            what: "What one light gives is limited to [0, 1] before the lights are added. Where a light is brighter than 1 \
-                   in some channel, or its terms together are, that is lost.",
+            what: "What one light gives is limited to [0, 1] before the lights are added. A clamped picture shows it only \
+                   where the sum is weakened later: in mirrors and through glass.",
             remedy: "Add all terms of all lights without a limit, and clamp the sum once, at the end.",
             make: |c| {
                 c.lighting(|f| f.early = Early::ClampLight);
@@ -71,7 +71,8 @@ fn equation() -> Vec<Mistake> {
         Mistake {
             name: "clamp-per-term",
             title: "Each term is clamped to 1",
-            what: "Ambient, diffuse and specular are each limited to [0, 1] before they are added, light by light.",
+            what: "Ambient, diffuse and specular are each limited to [0, 1] before they are added, light by light. A clamped \
+                   picture shows it only where the sum is weakened later: in mirrors and through glass.",
             remedy: "Add all terms of all lights without a limit, and clamp the sum once, at the end.",
             make: |c| {
                 c.lighting(|f| f.early = Early::ClampTerm);
@@ -216,7 +217,7 @@ fn places() -> Vec<Mistake> {
         },
         Mistake {
             name: "directional-attenuated",
-            title: "Directional lights are attenuated, by the length of their direction",
+            title: "Directional lights are attenuated, by their length",
             what: "The attenuation is applied to directional lights as well, with the length of the direction for a distance.",
             remedy: "A light with w = 0 has no distance: its attenuation is 1, whatever c, l and q are.",
             make: |c| {
@@ -250,8 +251,8 @@ fn places() -> Vec<Mistake> {
             name: "direction-reversed",
             title: "Directional lights come from the wrong side",
             what: "The way that a directional light travels is taken for the way to the light.",
-            remedy: "`direction` in a scene is the way the light travels: L is its opposite. (A `position` with w = 0 is the \
-                     way to the light.)",
+            remedy: "`direction` in a scene is the way the light travels: L is its opposite. A `position` with w = 0 is the \
+                     way to the light.",
             make: |c| {
                 c.lights(|light| {
                     let [x, y, z, w] = light.source.position;
