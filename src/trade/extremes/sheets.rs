@@ -115,7 +115,6 @@ pub(super) const SHEETS: &[SheetPlan] = &[
             Change::NearFar(1.0, 1e7),
             Change::NearFar(6.0, 8.5),
             Change::NearFar(7.0, f64::INFINITY),
-            Change::NearFar(1e6, 1e7),
         ],
     },
     SheetPlan {
