@@ -138,8 +138,8 @@ pub(super) const SHEETS: &[SheetPlan] = &[
     SheetPlan {
         name: "field-of-view",
         title: "Field of view",
-        text: "The camera turns to a straight outline and closes in, or opens. A view of a thousandth of a degree \
-               shows less of the scene than f32 can tell apart.",
+        text: "The camera turns to a straight outline and closes in, or opens. At a thousandth of a \
+               degree a pixel is as wide as three half ulps of f32 at the scene's distance.",
         scenes: &["whitted", "07-diffuse"],
         changes: &[
             Change::FieldOfView(1e-3),
