@@ -1,8 +1,6 @@
 //! `Requirements`: the lists of 16 abstract scenes (`tests/reference/requirements.json`, computed for this project), what
 //! a list may depend on, and that plans follow it: nothing needed is left out, nothing left out was needed.
-//!
-//! The scenes that others wrote, where the optional shared folder is present (minutes):
-//! `cargo test --release --test requirements -- --ignored --nocapture`
+//! The scenes that others wrote take part where the optional shared folder is present.
 
 #[path = "common/descriptor.rs"]
 mod descriptor;

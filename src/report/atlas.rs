@@ -193,7 +193,7 @@ fn overview(atlas: &Atlas) -> Markup {
                     td.number { (count(tally.ill)) }
                     td.number { (count(tally.fault)) }
                     td.number { (value(tally.arithmetic)) }
-                    td.number { @if tally.condition > 0.0 { (value(tally.condition)) } @else { "–" } }
+                    td.number { @if tally.condition > 0.0 { (rounded(tally.condition)) } @else { "–" } }
                 }
             } }
         } }
@@ -260,7 +260,7 @@ fn why(renderer: &str, figure: &Figure, condition: &Condition) -> Markup {
     let pixels = |n: usize| format!("{} pixel{}", count(n), if n == 1 { "" } else { "s" });
     html! {
         b { (sentence_name(renderer)) ", ill-conditioned in " (condition.input) "." }
-        " Half an ulp moves a value by " (value(condition.change)) ": condition " (value(condition.number))
+        " Half an ulp moves a value by " (value(condition.change)) ": condition " (rounded(condition.number))
         @if condition.objects > 0 { ", and " (pixels(condition.objects)) " to another object" }
         ". Over the bar: " (pixels(figure.over))
         @if figure.objects > 0 { "; another object: " (pixels(figure.objects)) }
@@ -273,6 +273,16 @@ fn fault(renderer: &str, figure: &Figure) -> Markup {
         b { (sentence_name(renderer)) " at fault." }
         " Arithmetic off by " (value(figure.arithmetic)) ", " (count(figure.wrong)) " wrong decisions, "
         (count(figure.not_numbers)) " values that are no numbers."
+    }
+}
+
+/// A condition number: three digits, grouped as long as that is short.
+fn rounded(number: f64) -> String {
+    let digits: f64 = format!("{number:.2e}").parse().unwrap_or(number);
+    if (1e3..1e7).contains(&digits) {
+        count(digits as usize)
+    } else {
+        value(digits)
     }
 }
 
@@ -334,11 +344,11 @@ mod tests {
         let condition = Condition {
             input: "lights",
             change: 0.25,
-            number: 0.25 * 16_777_216.0,
+            number: 0.25 * 16_777_216.0 - 4e3,
             objects: 0,
         };
         let ill = page(&atlas(figure(0.2, Some(condition.clone()))), "x").unwrap();
-        assert!(ill.contains("ill-conditioned in lights") && ill.contains("4.19 × 10⁶"));
+        assert!(ill.contains("ill-conditioned in lights") && ill.contains("4,190,000"));
         let mut wrong = figure(0.2, Some(condition));
         wrong.wrong = 3;
         let fault = page(&atlas(wrong), "x").unwrap();

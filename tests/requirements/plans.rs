@@ -148,7 +148,6 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-#[ignore = "minutes: every scene of the optional shared folder that imports"]
 fn required_and_full_are_the_same_bytes_on_every_shared_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
     if !folder.is_dir() {
@@ -164,7 +163,6 @@ fn required_and_full_are_the_same_bytes_on_every_shared_scene() {
             continue;
         };
         let scene = resized(imported.scene, 32, 24);
-        println!("{}", path.display());
         identical::<f32>(&scene, false);
         drawn += 1;
     }
