@@ -309,11 +309,12 @@ fn recursion_leaves_the_rest_of_the_geometric_series() {
                 point.error.rmse
             );
         }
+        // What the truth leaves out is up to 2 % of the least error, at k = 0.25.
         near(
             &format!("mirror {k}"),
             trace.slope.expect("falls"),
             k,
-            1e-3 * k,
+            3e-3 * k,
         );
         assert_eq!(trace.as_predicted, Some(true));
     }
@@ -496,7 +497,7 @@ fn render_picks_a_setting_and_says_what_is_out_of_reach() {
     );
     for (wrong, says) in [
         (["--error", "0"], "expected a number above 0"),
-        (["--time", "-1"], "expected milliseconds"),
+        (["--time", "0"], "expected milliseconds"),
         (["--time", "0.000001"], "out of reach"),
     ] {
         let output = render(&wrong);
