@@ -309,11 +309,12 @@ fn recursion_leaves_the_rest_of_the_geometric_series() {
                 point.error.rmse
             );
         }
+        // What the truth leaves out is up to 2 % of the least error, at k = 0.25.
         near(
             &format!("mirror {k}"),
             trace.slope.expect("falls"),
             k,
-            1e-3 * k,
+            3e-3 * k,
         );
         assert_eq!(trace.as_predicted, Some(true));
     }
@@ -377,7 +378,7 @@ const SMALL: [&str; 8] = [
     "--ideal-samples",
     "8",
     "--budget",
-    "30",
+    "600",
 ];
 
 #[test]
@@ -442,20 +443,22 @@ fn the_command_leaves_a_folder_whose_answers_can_be_typed() {
 #[test]
 fn times_are_kept_with_their_rounds() {
     let folder = tempfile::tempdir().expect("a folder");
-    let output = rastray(
-        folder.path(),
-        &[&SMALL[..6], &["--budget", "3", "--json"]].concat(),
-    );
-    let trade: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let times: Vec<_> = trade["rows"]
-        .as_array()
-        .expect("rows")
-        .iter()
-        .filter(|r| !r["time"].is_null())
-        .collect();
-    assert!(!times.is_empty());
-    for row in times {
-        let time = &row["time"];
+    let known = rastray(folder.path(), &[&SMALL[..], &["--no-times", "-q"]].concat());
+    assert_eq!(known.status.code(), Some(0), "{}", text(&known.stderr));
+    // All of the budget goes to times; a slow machine needs more of it for the first.
+    let timed = ["2", "8", "32", "128"].iter().find_map(|budget| {
+        let args = [&SMALL[..6], &["--budget", budget, "--json"]].concat();
+        let output = rastray(folder.path(), &args);
+        let trade: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let rows = trade["rows"].as_array().expect("rows");
+        let times = rows
+            .iter()
+            .map(|r| r["time"].clone())
+            .filter(|t| !t.is_null());
+        let times: Vec<serde_json::Value> = times.collect();
+        (!times.is_empty()).then_some(times)
+    });
+    for time in timed.expect("times") {
         assert!(time["rounds"].as_u64().expect("a count") >= 6);
         // A number, or why there is none; never both.
         assert_ne!(
@@ -496,7 +499,7 @@ fn render_picks_a_setting_and_says_what_is_out_of_reach() {
     );
     for (wrong, says) in [
         (["--error", "0"], "expected a number above 0"),
-        (["--time", "-1"], "expected milliseconds"),
+        (["--time", "0"], "expected milliseconds"),
         (["--time", "0.000001"], "out of reach"),
     ] {
         let output = render(&wrong);

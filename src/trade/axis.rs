@@ -320,11 +320,11 @@ pub fn grid(scene: &Scene) -> Vec<Setting> {
             precision,
             ..Setting::by(Renderer::Cast, scene)
         });
-        let depths = match bounce_weight(scene) {
-            Some(_) => 0..DEPTHS.max(scene.trace.depth) + 1,
-            None => scene.trace.depth..scene.trace.depth + 1,
+        let depths: Vec<u32> = match bounce_weight(scene) {
+            Some(_) => (0..=DEPTHS).chain([12, 16, scene.trace.depth]).collect(),
+            None => vec![scene.trace.depth],
         };
-        all.extend(depths.map(|depth| Setting {
+        all.extend(depths.into_iter().map(|depth| Setting {
             precision,
             depth,
             ..Setting::by(Renderer::Trace, scene)
@@ -371,8 +371,8 @@ mod tests {
         for (i, setting) in grid.iter().enumerate() {
             assert!(!grid[..i].contains(setting), "{}", setting.name(&scene));
         }
-        // Mirror 1 at most: the weight of the shipped materials.
+        // The glass ball: what it mirrors and what it lets through, together.
         let weight = bounce_weight(&scene).expect("mirrors");
-        assert!(weight > 0.5 && weight <= 1.0, "{weight}");
+        assert!((weight - 1.02).abs() < 1e-12, "{weight}");
     }
 }

@@ -355,7 +355,7 @@ mod tests {
     /// The same choice every time, as accurate as it says, and none cheaper that is as accurate among its neighbours.
     #[test]
     fn an_accuracy_is_met_and_repeats() {
-        let scene = scene("15-mirror", 64, 48);
+        let scene = scene("whitted", 64, 48);
         let choose = |e: f64| super::choose(&scene, Goal::Error(e), Isa::detect(), &|_| {});
         let choice = choose(1e-3).expect("in reach");
         assert_eq!(choose(1e-3).expect("in reach"), choice);

@@ -25,6 +25,9 @@ pub const LEAST_WEIGHT: f64 = 1e-7;
 /// Generations that are followed at most: a mirror of weight 0.88 is below [`LEAST_WEIGHT`] by then.
 const MOST_DEPTH: u32 = 128;
 
+/// What the seed of the scene's jitter is changed by for the ideal picture.
+const IDEAL_SEED: u32 = 0x1dea_1000;
+
 /// Samples of the ideal picture where nobody says.
 pub const IDEAL_SAMPLES: u32 = 256;
 
@@ -90,6 +93,8 @@ impl Truth {
         }
         if let Self::Ideal(samples) = self {
             (setting.samples, setting.pattern) = (samples, Pattern::Jitter);
+            // Other places than those of any setting, as many samples as it may have.
+            scene.image.seed ^= IDEAL_SEED;
         }
         if self == Self::Own {
             (setting.samples, setting.pattern) = (scene.image.samples, scene.image.pattern);

@@ -59,6 +59,9 @@ impl Paper {
         let mut marks = Vec::new();
         for decade in self.y.ticks() {
             let y = self.y.place(decade);
+            if self.zero && y > bottom - 1.5 * self.size {
+                continue;
+            }
             marks.push(line(vec![[left, y], [right, y]], Ink::Line, 1.0, false));
             let at = [left - 8.0, y + 0.36 * self.size];
             marks.push(words(

@@ -73,7 +73,7 @@ impl TradeReport {
                     h3 { "Error below " (name) span { (meaning(a.target)) } }
                     @if let Some(plane) = picture {
                         (linear_image(plane, self.view, &format!("The scene with an error below {name}"))?)
-                    } @else { div.nothing { "no setting measured" } }
+                    } @else { div.nothing { "out of reach" } }
                     @if let Some(command) = self.command_of(a.row) { pre { code { (command) } } }
                     p { (answer(a, &trade.rows)) }
                 }
@@ -128,7 +128,8 @@ impl TradeReport {
                         article {
                             h3 { (capital(axis.name)) }
                             p.judged { (judged(axis)) }
-                            @if drawable(axis) { (plot::figure(&charts::knob(axis))) } @else { (choices(axis)) }
+                            @if drawable(axis) { (plot::figure(&charts::knob(axis))) }
+                            @if axis.knob.is_empty() { (choices(axis)) }
                             ul { @for sentence in sentences(axis) { li { (sentence) } } }
                         }
                     }
@@ -294,7 +295,8 @@ fn meaning(error: f64) -> &'static str {
 
 /// Whether an axis has a line to draw.
 fn drawable(axis: &AxisFinding) -> bool {
-    !axis.knob.is_empty() && axis.curves.iter().any(|c| c.points.len() > 1)
+    let mut points = axis.curves.iter().flat_map(|c| &c.points);
+    !axis.knob.is_empty() && points.any(|p| p.error.rmse > 0.0)
 }
 
 /// The choices of an axis as a table.

@@ -99,12 +99,11 @@ fn sentence(axis: &AxisFinding, curve: &Curve) -> String {
     let name = capital(&curve.name);
     let Some(slope) = curve.slope else {
         return match curve.points.last() {
+            Some(last) if last.error.pixels == 0 => {
+                format!("{name}: no such pixel in this picture.")
+            }
             Some(last) if last.error.rmse == 0.0 => format!("{name}: no error at all."),
-            Some(last) => format!(
-                "{name}: {} do not lower the error, which stays at {}.",
-                axis.knob,
-                value(last.error.rmse)
-            ),
+            Some(last) => format!("{name}: {}", level(axis, curve, last)),
             None => format!("{name}: not measured yet."),
         };
     };
@@ -131,6 +130,24 @@ fn sentence(axis: &AxisFinding, curve: &Curve) -> String {
         None => String::new(),
     };
     format!("{name}: {law}{price}.{}", flat_rest(axis, curve))
+}
+
+/// A series that falls at once, or not at all.
+fn level(axis: &AxisFinding, curve: &Curve, last: &Point) -> String {
+    let (knob, stays) = (axis.knob, value(last.error.rmse));
+    let reached = curve
+        .points
+        .iter()
+        .find(|p| p.error.rmse <= 1.1 * last.error.rmse);
+    match (curve.points.first(), reached) {
+        (Some(first), Some(p)) if p.knob > first.knob => format!(
+            "the error is {stays} from {} {knob} on; with {} it is {}.",
+            p.knob,
+            first.knob,
+            value(first.error.rmse)
+        ),
+        _ => format!("{knob} do not lower the error, which stays at {stays}."),
+    }
 }
 
 /// What a tessellation leaves as it is: flat shapes have the same corners at any level.
@@ -183,9 +200,9 @@ fn choice(axis: &AxisFinding) -> String {
     }
     let cost = best.1.work / worst.1.work;
     let cost = match cost {
-        c if c > 1.005 => format!("costs {} the work", times(c)),
-        c if c < 0.995 => format!("takes {} of the work", share(c)),
-        _ => "costs the same".to_owned(),
+        c if c > 1.05 => format!("costs {} the work", times(c)),
+        c if c < 0.95 => format!("takes {} of the work", share(c)),
+        _ => "costs about the same".to_owned(),
     };
     format!(
         "{} instead of {} lowers the error from {} to {} and {cost}.",
