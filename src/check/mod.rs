@@ -14,7 +14,6 @@
 //! | `measure` | errors between pictures, and what counts as noise |
 //! | `judge` | right, or which mistakes explain the picture, and which of them cannot be told apart |
 //! | `telling` | the pixels that show it |
-//! | `read` | picture files |
 //!
 //! **Error.** rmse of the stored values: the right picture is clamped, rounded and encoded as the given file is. **Noise.**
 //! The picture agrees with another one where their rmse, and that of the means of 16 x 16 pixels, are within [`Noise`]: so
@@ -30,7 +29,6 @@ mod judge;
 mod lens;
 mod measure;
 mod mistakes;
-pub mod read;
 mod stage;
 mod telling;
 
@@ -42,6 +40,7 @@ pub use telling::Telling;
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::gl::ShadeModel;
+use crate::import::picture::{PictureFile, PictureFormat};
 use crate::lanes::{Isa, Real};
 use crate::scene::Scene;
 use crate::scene::requirements::Model;
@@ -122,6 +121,16 @@ pub struct Given {
     pub eight_bits: bool,
     /// The file was compressed with a loss.
     pub lossy: bool,
+}
+
+impl From<PictureFile> for Given {
+    fn from(file: PictureFile) -> Self {
+        Self {
+            color: file.pixels,
+            eight_bits: file.bits == Some(8),
+            lossy: file.format == PictureFormat::Jpeg,
+        }
+    }
 }
 
 /// How to check.

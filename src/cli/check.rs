@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use rastray::check::{
-    self, Finding, Given, Mistake, Mode, Options, Report, Telling, Verdict, read,
-};
+use rastray::check::{self, Finding, Given, Mistake, Mode, Options, Report, Telling, Verdict};
 use rastray::error::Error;
-use rastray::import::Imported;
+use rastray::import::{Imported, picture};
 use rastray::report::checked::{Checked, verdict_name};
 use rastray::report::files;
 use rastray::report::formats::png_of_picture;
@@ -66,7 +64,11 @@ pub(super) fn check(args: &CheckArgs, verbosity: Verbosity) -> Result<ExitCode, 
         return Err(Error::parameter("--size", message).with_help("leave it out"));
     }
     check_output(args.output.as_deref())?;
-    let given = read::read(&args.image)?;
+    let file = picture::read(&args.image, None)?;
+    for note in file.notes.iter().filter(|_| verbosity != Verbosity::Quiet) {
+        diagnostic::note(note);
+    }
+    let given = Given::from(file);
     let mut imported = commands::load(&args.scene, &[], verbosity)?;
     imported.resize(given.color.width as u32, given.color.height as u32);
     let quality = apply(&args.quality, &mut imported)?;

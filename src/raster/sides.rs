@@ -8,7 +8,8 @@
 //! as in `edges`.
 //!
 //! A side between two snapped vertices lies where the integers of `edges` have it (pixel frame); any other side runs between
-//! the vertices as they are, or through the ray of its snapped end (ray frame: x, y, w and the sample's (X, Y, 1)).
+//! the vertices as they are, or through the ray of its snapped end (ray frame: x, y, w and the sample's (X, Y, 1)); of a side
+//! that passes the near plane the far side of that plane is left out first ([`end`]).
 //! Neighbours share both ends, so they share the line, whichever of them needs this module: each sample has one owner.
 //!
 //! Near and far bound a sample by the triangle's own distance under it, which is linear over w, too. That is a value, not
@@ -17,7 +18,7 @@
 use super::edges::double_area;
 use super::view::{Vertex, View, orientation, scaled};
 use crate::lanes::Real;
-use crate::math::float::dot;
+use crate::math::float::{difference_of_products, dot};
 
 /// A multiple of the sum of absolute products that exceeds the rounding of a determinant; as in [`orientation`].
 const DOUBT: f64 = 8.0 * f64::EPSILON;
@@ -62,6 +63,7 @@ pub(super) type Needed = u8;
 pub(super) const ALL: Needed = 0b1_1111;
 
 /// A vertex in both frames.
+#[derive(Clone)]
 struct Place {
     snapped: Option<[i64; 2]>,
     pixel: [f64; 3],
@@ -107,7 +109,16 @@ impl Sides {
         }
         let side = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
             let (from, to) = if turn > 0 { (i, j) } else { (j, i) };
-            Side::new(&places[from], &places[to], view.y_up())
+            let ends = [(from, to), (to, from)].map(|(this, other)| {
+                let snapped = places[other].snapped.is_some();
+                end(
+                    view,
+                    &places[this],
+                    [&corners[this], &corners[other]],
+                    snapped,
+                )
+            });
+            Side::new(&ends[0], &ends[1], view.y_up())
         });
         let [near, far] = cuts(view, corners, facing);
         Some(Self { side, near, far })
@@ -203,6 +214,35 @@ impl Side {
             0 => self.owns_ties,
             sign => sign > 0,
         }
+    }
+}
+
+/// The end of a side: `place`, that of the first vertex; but where only the other end is snapped and this one is beyond the near
+/// plane, the point where the side meets that plane.
+///
+/// A side runs through its snapped end, at most half a sub-pixel step away from the vertex. Towards its other end it nears the
+/// true line again, but beyond that it would leave it without bound: and what is seen of a side to a vertex behind the eye
+/// lies beyond it, around through infinity. GL clips and then snaps (GL 2.1 sections 2.12 and 3.5.1), to the same end.
+fn end(view: &View, place: &Place, [this, other]: [&Vertex; 2], other_snapped: bool) -> Place {
+    let [inside, outside] = [other, this].map(|v| view.inside_near(v));
+    let passes = place.snapped.is_none() && other_snapped && inside > 0.0 && outside < 0.0;
+    if !passes {
+        return place.clone();
+    }
+    // Common powers of two change no proportion and keep products within range.
+    let (down, _) = inside.max(-outside).power_of_two_scale();
+    let [inside, outside] = [inside * down, outside * down];
+    let [a, b] = [other, this].map(Vertex::homogeneous);
+    let largest = a.iter().chain(&b).fold(0.0f64, |m, x| m.max(x.abs()));
+    let (down, _) = largest.power_of_two_scale();
+    let met = [0, 1, 2].map(|k| difference_of_products(b[k] * down, inside, a[k] * down, outside));
+    if met[2] > 0.0 {
+        Place {
+            ray: scaled(met),
+            ..place.clone()
+        }
+    } else {
+        place.clone()
     }
 }
 
