@@ -46,14 +46,16 @@ impl Place {
             .rev()
             .find(|&i| source.is_char_boundary(i))
             .unwrap_or(start);
+        let text = source[line_start..line_end].trim_end_matches('\r');
+        // What is wrong may be a carriage return that the line is shown without.
+        let column = source[line_start..start].chars().count();
+        let column = column.min(text.chars().count());
         Self {
             file: file.into(),
             line: source[..start].matches('\n').count() + 1,
-            column: source[line_start..start].chars().count() + 1,
+            column: column + 1,
             length: source[start..end].chars().count().max(1),
-            text: source[line_start..line_end]
-                .trim_end_matches('\r')
-                .to_owned(),
+            text: text.to_owned(),
         }
     }
 }

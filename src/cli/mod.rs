@@ -83,10 +83,10 @@ enum Command {
     /// Compare two picture files, whoever made them
     #[command(after_long_help = diff::EXAMPLES)]
     Diff(diff::DiffArgs),
-    /// Check one's own picture of a scene: is it right, and if not, which mistake explains it?
+    /// Check one's own picture of a scene: right, or explained by which mistake?
     #[command(after_long_help = check::EXAMPLES)]
     Check(check::CheckArgs),
-    /// Measure what each knob costs and buys on a scene: speed against accuracy, into a folder
+    /// Measure speed against accuracy: what each knob costs and buys on a scene
     #[command(after_long_help = trade::EXAMPLES)]
     Trade(trade::TradeArgs),
     /// Say what a scene contains and which features of the model it requires

@@ -116,8 +116,13 @@ impl<R: Real> Call<'_, '_, R> {
                 self.scratch.n_dot_l.fill(R::ZERO);
             }
             // Visibility.
-            let asked = products.has.shaded() && self.query(index);
-            counters.visibility_queries += u64::from(asked);
+            let facing = if products.has.shaded() {
+                self.query(index)
+            } else {
+                0
+            };
+            counters.visibility_queries += facing;
+            let asked = facing > 0;
             // Part two.
             self.count_highlights(&products, counters);
             if products.has.shaded() {
@@ -215,10 +220,10 @@ impl<R: Real> Call<'_, '_, R> {
         }
     }
 
-    /// Asks for the visibility of a light that faces some point; says whether it did.
-    fn query(&mut self, light: usize) -> bool {
+    /// Asks for the visibility of a light where it faces points; says for how many.
+    fn query(&mut self, light: usize) -> u64 {
         let Some(visibility) = self.visibility.as_deref_mut() else {
-            return false;
+            return 0;
         };
         let scratch = &mut *self.scratch;
         let lit = scratch.n_dot_l.iter().zip(&scratch.factor);
@@ -226,14 +231,15 @@ impl<R: Real> Call<'_, '_, R> {
         for (facing, (n_dot_l, factor)) in scratch.illumination.facing.iter_mut().zip(lit) {
             *facing = (*n_dot_l > R::ZERO || ungated) && *factor != R::ZERO;
         }
-        if !scratch.illumination.facing.contains(&true) {
-            return false;
+        let facing = scratch.illumination.facing.iter().filter(|f| **f).count();
+        if facing == 0 {
+            return 0;
         }
         for list in &mut scratch.visibility {
             list.fill(R::ONE);
         }
         visibility.query(light, &scratch.illumination, &mut scratch.visibility);
-        true
+        facing as u64
     }
 
     /// The terms of one light, into the sink.

@@ -269,7 +269,7 @@ pub struct Counters {
     pub pow_calls: u64,
     /// Points times lights whose falloff inside the cone needed a power (exponents other than 0 and 1).
     pub spot_pow_calls: u64,
-    /// Times that visibility was asked for: once a light and call.
+    /// Points times lights that face them, where their visibility was asked for.
     pub visibility_queries: u64,
 }
 

@@ -102,7 +102,8 @@ impl Sides {
                 let area = double_area([a, b, c]).signum() as i32;
                 if view.y_up() { -area } else { area }
             }
-            _ => orientation([0, 1, 2].map(|i| places[i].ray)),
+            // Snapping may leave no area between two ends that are far ahead; the part before the eye has its own all the same.
+            _ => orientation(corners.map(|v| scaled(v.homogeneous()))),
         };
         if turn == 0 {
             return None;
@@ -155,6 +156,13 @@ impl Sides {
 impl Side {
     fn new(from: &Place, to: &Place, y_up: bool) -> Self {
         let in_pixels = from.snapped.is_some() && to.snapped.is_some();
+        if in_pixels && from.snapped == to.snapped {
+            // A side without length bounds nothing: the other two meet there.
+            return Self {
+                normal: [0.0, 0.0, 1.0],
+                ..Self::default()
+            };
+        }
         // Where rays count y upwards, the pixel frame is theirs turned over, and the ends change places.
         let (from, to) = match (in_pixels, y_up) {
             (true, true) => (to.pixel, from.pixel),

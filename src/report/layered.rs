@@ -115,12 +115,13 @@ fn sums(layers: &[NamedLayer]) -> String {
     if !raster.is_empty() {
         text += " Layers raster.* are the rasterizer's and add up to its picture alike.";
     }
+    if !aside.is_empty() {
+        text += " Layers unshadowed.* (light as if nothing cast a shadow) and split.* (reflection and refraction by light) are \
+                 parts of these and add nothing.";
+    }
     if !own.is_empty() {
         text += " The unclamped linear picture is the sum of its layers in this order:\n";
         text += &own.join("\n");
-    }
-    if !aside.is_empty() {
-        text += "; unshadowed.* (light without shadows) and split.* (reflection and refraction by light) add nothing to either";
     }
     text
 }

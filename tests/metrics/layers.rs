@@ -75,7 +75,21 @@ fn layers_are_named_as_other_programs_group_them_and_add_up() {
         }
     }
     names.sort();
-    assert_eq!(channels.keys().cloned().collect::<Vec<_>>(), names);
+    // What stands beside the sums is named so: light without shadows, and parts by light.
+    let (beside, summed): (Vec<&String>, Vec<&String>) = channels
+        .keys()
+        .partition(|name| name.starts_with("unshadowed.") || name.starts_with("split."));
+    assert_eq!(summed, names.iter().collect::<Vec<_>>());
+    assert!(
+        beside
+            .iter()
+            .any(|name| name.starts_with("split.reflection."))
+    );
+    assert!(
+        beside
+            .iter()
+            .any(|name| name.starts_with("unshadowed.diffuse."))
+    );
     // Plain f32 additions in the order that the file states: the picture, bit for bit.
     for c in ["R", "G", "B"] {
         let mut sum = vec![0.0f32; 48 * 36];
@@ -93,6 +107,8 @@ fn layers_are_named_as_other_programs_group_them_and_add_up() {
 /// The names of the layers in the order of their sum, from the comment.
 fn order(comments: &str) -> Vec<String> {
     let (values, list) = comments.split_once("in this order:\n").expect("an order");
-    assert!(values.contains("raster.*"), "{values}");
+    for group in ["raster.*", "unshadowed.*", "split.*"] {
+        assert!(values.contains(group), "{values}");
+    }
     list.lines().map(str::to_owned).collect()
 }
