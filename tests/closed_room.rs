@@ -402,7 +402,7 @@ impl Room {
             _ => self.tips[(random.next().abs() * self.tips.len() as f64) as usize],
         };
         // Two coordinates equal to the target's, where such a point is inside.
-        for _ in 0..if i / 4 % 2 == 0 { 8 } else { 0 } {
+        for _ in 0..if (i / 4).is_multiple_of(2) { 8 } else { 0 } {
             let mut origin = target.to_array();
             let axis = (random.next().abs() * 3.0) as usize;
             origin[axis] = self.point(random).to_array()[axis];

@@ -143,7 +143,7 @@ mod tests {
 
     fn checks(width: usize, height: usize, low: f32, high: f32) -> Vec<[f32; 3]> {
         let at = |i: usize| {
-            if (i % width + i / width) % 2 == 0 {
+            if (i % width + i / width).is_multiple_of(2) {
                 low
             } else {
                 high

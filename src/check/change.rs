@@ -72,13 +72,16 @@ impl Change {
     /// Changes the enabled lights; says whether any was changed.
     pub(super) fn lights(&mut self, change: impl Fn(&mut Light) -> bool) -> bool {
         let enabled = self.scene.lights.iter_mut().filter(|light| light.enabled);
-        enabled.fold(false, |any, light| change(light) || any)
+        enabled
+            .filter_map(|light| change(light).then_some(()))
+            .count()
+            > 0
     }
 
     /// Changes both sides of all materials; says whether any was changed.
     pub(super) fn sides(&mut self, change: impl Fn(&mut gl::Material) -> bool) -> bool {
         let materials = self.scene.materials.iter_mut();
         let sides = materials.flat_map(|m| std::iter::once(&mut m.front).chain(&mut m.back));
-        sides.fold(false, |any, side| change(side) || any)
+        sides.filter_map(|side| change(side).then_some(())).count() > 0
     }
 }

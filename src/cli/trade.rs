@@ -159,10 +159,8 @@ fn measured(
     let scene = &imported.scene;
     let mut journal = Journal::open(&folder.join("journal.jsonl"), scene, options.isa)?;
     let found = found_note(journal.found, folder);
-    if let Some(note) = found
-        .iter()
-        .filter(|_| verbosity != Verbosity::Quiet)
-        .next()
+    if let Some(note) = found.as_ref()
+        && verbosity != Verbosity::Quiet
     {
         diagnostic::note(note);
     }

@@ -161,15 +161,12 @@ mod tests {
                 assert_eq!(layers.splits.len(), at.splits());
                 let mut lit = 0;
                 for (branch, whole) in [at.reflection(), at.refraction()].into_iter().enumerate() {
-                    for (i, sum) in layers.planes[whole].data.iter().enumerate() {
-                        for c in 0..3 {
-                            let parts = (0..=at.lights)
-                                .map(|light| layers.splits[at.split(branch, light)].data[i][c]);
-                            let parts: f32 = parts.sum();
-                            let error = (parts - sum[c]).abs();
-                            assert!(error <= 1e-5 * sum[c].abs().max(1.0), "{parts} {}", sum[c]);
-                            lit += usize::from(sum[c] > 0.0);
-                        }
+                    let split = |light| layers.splits[at.split(branch, light)].data.as_flattened();
+                    for (i, sum) in layers.planes[whole].data.as_flattened().iter().enumerate() {
+                        let parts: f32 = (0..=at.lights).map(|light| split(light)[i]).sum();
+                        let error = (parts - sum).abs();
+                        assert!(error <= 1e-5 * sum.abs().max(1.0), "{parts} {sum}");
+                        lit += usize::from(*sum > 0.0);
                     }
                 }
                 assert!(lit > 100, "{lit}");
@@ -209,8 +206,8 @@ mod tests {
             ladder.rungs[1].data.len()
         );
         for (i, color) in own.color.data.iter().enumerate() {
-            for c in 0..3 {
-                assert!((f64::from(color[c]) - ladder.rungs[1].data[i][c]).abs() < 1e-9);
+            for (x, rung) in color.iter().zip(ladder.rungs[1].data[i]) {
+                assert!((f64::from(*x) - rung).abs() < 1e-9);
             }
             let changed = ladder.rungs[1].data[i] != ladder.rungs[2].data[i];
             assert!(own.clamped.data[i] || !changed, "pixel {i}");

@@ -86,7 +86,7 @@ impl Foot {
     }
 
     /// The origin of a ray that leaves the point in a direction: moved along the normal, to the side the ray goes to,
-    /// by [`Self::bound`], then each component one step further (NUMERICS 2, "Spawned rays").
+    /// by `Self::bound`, then each component one step further (NUMERICS 2, "Spawned rays").
     ///
     /// ```
     /// use rastray::{math::DVec3, trace::ray::Foot};

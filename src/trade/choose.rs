@@ -185,7 +185,7 @@ impl Trial<'_> {
         }
         for setting in settings
             .iter()
-            .filter(|s| !exact(s) && !(hopeless && local(s)))
+            .filter(|s| !(exact(s) || hopeless && local(s)))
         {
             tried.push(self.try_out(setting)?);
         }

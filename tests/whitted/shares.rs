@@ -158,10 +158,12 @@ fn assert_shares(text: &str, fresnel: f64, tolerance: f64) {
     }
 }
 
+/// Share of the mirror at an angle, from one index into another.
+type Fresnel = fn(f64, f64, f64) -> f64;
+
 #[test]
 fn fresnel_shares_k_t_between_mirror_and_glass() {
-    let models: [(&str, fn(f64, f64, f64) -> f64); 2] =
-        [("dielectric", dielectric), ("schlick", schlick)];
+    let models: [(&str, Fresnel); 2] = [("dielectric", dielectric), ("schlick", schlick)];
     for n in [1.33f64, 1.5, 2.4] {
         for (model, formula) in models {
             for degrees in [0.0f64, 1.0, 20.0, 45.0, 56.3, 75.0, 88.0] {

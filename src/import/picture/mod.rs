@@ -10,7 +10,7 @@
 //! | JPEG, BMP | `image` (pure Rust: zune-jpeg) | 8 bits |
 //! | Radiance HDR | `image` | floats of 8-bit mantissas |
 //! | OpenEXR (f16, f32, u32; one layer of many; not deep) | `exr` | floats |
-//! | PPM, PGM (text and binary, up to 16 bits), PFM | [`portable`]: `image` reads no PFM and leaves PNM values unscaled | integers; floats |
+//! | PPM, PGM (text and binary, up to 16 bits), PFM | `portable`: `image` reads no PFM and leaves PNM values unscaled | integers; floats |
 //!
 //! Nothing is decoded: neither the sRGB curve nor a colour profile. Alpha: a picture with straight alpha (PNG, BMP) is shown
 //! over black, EXR's is so already. Nothing beyond [`MAX_BYTES`] and [`MAX_PIXELS`] is taken into memory.

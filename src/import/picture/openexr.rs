@@ -194,7 +194,7 @@ fn placed(
 fn encoding(attributes: &LayerAttributes) -> Assumed {
     let key = Text::from_slice_unchecked(b"rastray:encoding");
     match attributes.other.get(&key) {
-        Some(AttributeValue::Text(text)) if text.to_string() == "srgb" => {
+        Some(AttributeValue::Text(text)) if *text == *"srgb" => {
             Assumed::new(Encoding::Srgb, "rastray wrote it and says so")
         }
         _ => Assumed::new(Encoding::Linear, "EXR files hold light"),

@@ -1,7 +1,7 @@
 //! What the page's script works on: pictures, layers, explained pixels, packed to fit.
 //!
 //! In: the ladder and its further views. Out: [`Live`], an index (JSON) and packed planes. The page shall stay below
-//! 15 MB, so there is a budget. What does not fit is left out in a stated order, and [`Live::left_out`] says it: lights
+//! 15 MB, so there is a budget. What does not fit is left out in a stated order, and `Live::left_out` says it: lights
 //! share sliders (the first three alone, then all in one group), then no mixer, no further shade models, no inner rungs, and
 //! at last no moving part at all.
 //!

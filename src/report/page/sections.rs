@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::report::causes::{explanation, figures};
 use crate::report::equation::Term;
 use crate::report::numbers::{count, duration, percent, value};
-use crate::report::summary::Summary;
+use crate::report::summary::{Metrics, Summary};
 
 /// The result in a sentence or two.
 pub(super) fn verdict(report: &Report) -> String {
@@ -99,63 +99,35 @@ pub(super) fn agreement(summary: &Summary) -> Markup {
 
 /// Metrics with what they mean, then how every number was obtained.
 pub(super) fn numbers(report: &Report) -> Result<Markup, Error> {
-    let m = &report.summary.metrics;
-    let psnr = m.psnr.map_or("none".to_owned(), |p| format!("{p:.2} dB"));
-    let rows = [
-        (
-            "rmse",
-            value(m.rmse),
-            "root of the mean squared difference; one bright pixel outweighs many faint ones",
-        ),
-        ("mse", value(m.mse), "its square"),
-        (
-            "mae",
-            value(m.mae),
-            "mean of the absolute differences; hides what is small in area",
-        ),
-        (
-            "max",
-            value(m.max),
-            "largest absolute difference; decided by a single value",
-        ),
-        (
-            "p50",
-            value(m.p50),
-            "half of the values differ by no more than this",
-        ),
-        (
-            "p95",
-            value(m.p95),
-            "95 % of the values differ by no more than this",
-        ),
-        (
-            "p99",
-            value(m.p99),
-            "99 % of the values differ by no more than this",
-        ),
-        (
-            "psnr",
-            psnr,
-            "10 log₁₀(1 / mse); none where the pictures are identical",
-        ),
+    let summary = &report.summary;
+    let columns = [
+        Some(&summary.metrics),
+        summary.silhouette.as_ref(),
+        summary.interior.as_ref(),
     ];
-    let alt = format!("Magnitude of the difference: at most {}", value(m.max));
+    let max = value(summary.metrics.max);
+    let alt = format!("Magnitude of the difference: at most {max}");
     Ok(html! {
         section {
             h2 { "The difference in numbers" }
             p {
-                "Trace against raster, over all pixels and channels, on the stored 8-bit values as fractions of 255. "
-                "None of these numbers is a model of what people see."
+                "Trace against raster, over all pixels and channels, on the stored 8-bit values as fractions of 255: the whole picture, "
+                "its silhouettes (within one pixel of a change of object, or covered by one renderer only), and the rest."
             }
             div.scroll {
                 table {
                     thead { tr {
-                        th scope="col" { "metric" } th.number scope="col" { "value" }
+                        th scope="col" { "metric" }
+                        @for part in ["all", "silhouettes", "elsewhere"] { th.number scope="col" { (part) } }
                         th scope="col" { "what it means, and hides" }
                     } }
                     tbody {
-                        @for (name, number, meaning) in rows {
-                            tr { th scope="row" { (name) } td.number { (number) } td.text { (meaning) } }
+                        @for (name, number, meaning) in METRICS {
+                            tr {
+                                th scope="row" { (name) }
+                                @for m in columns { td.number { (m.map_or("none".to_owned(), number)) } }
+                                td.text { (meaning) }
+                            }
                         }
                     }
                 }
@@ -170,6 +142,58 @@ pub(super) fn numbers(report: &Report) -> Result<Markup, Error> {
         }
     })
 }
+
+/// A metric's name, how it is printed, what it means.
+type Row = (&'static str, fn(&Metrics) -> String, &'static str);
+
+const METRICS: [Row; 10] = [
+    (
+        "rmse",
+        |m| value(m.rmse),
+        "root of the mean squared difference; one bright pixel outweighs many faint ones",
+    ),
+    ("mse", |m| value(m.mse), "its square"),
+    (
+        "mae",
+        |m| value(m.mae),
+        "mean of the absolute differences; hides what is small in area",
+    ),
+    (
+        "max",
+        |m| value(m.max),
+        "largest absolute difference; decided by a single value",
+    ),
+    (
+        "p50",
+        |m| value(m.p50),
+        "half of the values differ by no more than this",
+    ),
+    (
+        "p95",
+        |m| value(m.p95),
+        "95 % of the values differ by no more than this",
+    ),
+    (
+        "p99",
+        |m| value(m.p99),
+        "99 % of the values differ by no more than this",
+    ),
+    (
+        "psnr",
+        |m| m.psnr.map_or("none".to_owned(), |p| format!("{p:.2} dB")),
+        "10 log₁₀(1 / mse); none where the pictures are identical",
+    ),
+    (
+        "ssim",
+        |m| m.ssim.map_or("none".to_owned(), |s| format!("{s:.4}")),
+        "likeness of local structure in luma, 1 = the same (Wang et al. 2004); blind to colour",
+    ),
+    (
+        "flip",
+        |m| value(m.flip.mean),
+        "mean of what somebody sees who flips between the two, 0 to 1 (Andersson et al. 2020), at 67 pixels a degree",
+    ),
+];
 
 /// How each number was obtained.
 pub(super) fn methods(live: &Live) -> Markup {

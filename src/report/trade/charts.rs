@@ -12,7 +12,7 @@ use crate::trade::setting::Renderer;
 fn style(renderer: Renderer) -> (Ink, Shape) {
     match renderer {
         Renderer::Raster => (Ink::First, Shape::Circle),
-        Renderer::Cast => (Ink::Ink, Shape::Square),
+        Renderer::Cast => (Ink::Text, Shape::Square),
         Renderer::Trace => (Ink::Second, Shape::Diamond),
     }
 }
@@ -150,7 +150,7 @@ fn dots(trade: &Trade, points: &[(usize, f64, f64)], paper: &Paper) -> Vec<Mark>
     let is_on = |p: &&(usize, f64, f64)| trade.rows[p.0].front;
     let on: Vec<_> = points.iter().filter(is_on).collect();
     let border: Vec<[f32; 2]> = on.iter().map(|p| place(p)).collect();
-    let mut marks = vec![line(staircase(&border), Ink::Ink, 1.4, false)];
+    let mut marks = vec![line(staircase(&border), Ink::Text, 1.4, false)];
     // Dominated settings first, so that the front lies above them.
     let behind = points.iter().filter(|p| !is_on(p));
     for p in behind.chain(on.iter().copied()) {
@@ -243,7 +243,7 @@ fn labelled(dots: Vec<([f32; 2], String)>, paper: &Paper, size: f32) -> Vec<Mark
         });
         if let Some((anchor, at, area)) = found {
             taken.push(area);
-            marks.push(words(at, name, Ink::Ink, size, anchor));
+            marks.push(words(at, name, Ink::Text, size, anchor));
         }
     }
     marks
@@ -303,7 +303,7 @@ fn series(
     const STYLES: [(Ink, Shape); 3] = [
         (Ink::First, Shape::Circle),
         (Ink::Second, Shape::Diamond),
-        (Ink::Ink, Shape::Square),
+        (Ink::Text, Shape::Square),
     ];
     let (ink, shape) = STYLES[number % STYLES.len()];
     let shown: Vec<_> = curve.points.iter().filter(|p| p.error.rmse > 0.0).collect();

@@ -18,7 +18,7 @@ use crate::report::text::{self, Face, Span};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ink {
     /// Words and axes.
-    Ink,
+    Text,
     /// What stands back.
     Grey,
     /// Rules of the grid.
@@ -34,7 +34,7 @@ pub(super) enum Ink {
 impl Ink {
     /// Name in the style sheet, colour on white, colour on black.
     const ALL: [(Self, &'static str, [u8; 3], [u8; 3]); 6] = [
-        (Self::Ink, "ink", [0x1b, 0x1f, 0x24], [0xe9, 0xeb, 0xee]),
+        (Self::Text, "ink", [0x1b, 0x1f, 0x24], [0xe9, 0xeb, 0xee]),
         (Self::Grey, "grey", [0x59, 0x62, 0x6d], [0xa4, 0xac, 0xb6]),
         (Self::Line, "line", [0xe1, 0xe5, 0xe9], [0x2d, 0x33, 0x3a]),
         (Self::First, "local", [0x03, 0x64, 0xb4], [0x80, 0xbc, 0xfe]),
@@ -463,7 +463,7 @@ mod tests {
                 Mark::Text(Words {
                     at: [10.0, 60.0],
                     text: "error".into(),
-                    ink: Ink::Ink,
+                    ink: Ink::Text,
                     size: 12.0,
                     anchor: Anchor::Middle,
                     upright: true,
