@@ -120,6 +120,9 @@ fn rmse(a: &Values, b: &Values) -> f64 {
     (sum / (3 * a.data.len()) as f64).sqrt()
 }
 
+/// The pixels of a layer or picture.
+type Pixels = Vec<[f32; 3]>;
+
 /// How a mistake is planted.
 #[derive(Clone, Copy)]
 enum Plant {
@@ -130,7 +133,7 @@ enum Plant {
     /// Changed pixels of the right picture: stored values in, stored values out.
     Pixels(fn(&Values) -> Values),
     /// The right picture's layers, summed wrongly.
-    Layers(fn(&[Vec<[f32; 3]>]) -> Vec<[f32; 3]>),
+    Layers(fn(&[Pixels]) -> Pixels),
     /// The small tracer, in a world.
     Tracer(fn() -> World, fn(&mut World, &mut Wrong)),
     /// The small rasterizer.
@@ -476,11 +479,11 @@ fn brightened(p: &Values) -> Values {
 }
 
 /// Every layer in 8 bits, then the sum.
-fn summed_in_bytes(layers: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
+fn summed_in_bytes(layers: &[Pixels]) -> Pixels {
     summed(layers, |x| f32::from(quantize8(x)) / 255.0)
 }
 
-fn summed(layers: &[Vec<[f32; 3]>], change: fn(f32) -> f32) -> Vec<[f32; 3]> {
+fn summed(layers: &[Pixels], change: fn(f32) -> f32) -> Pixels {
     let sum = |i: usize| {
         let terms = layers.iter().map(|layer| layer[i].map(change));
         terms.fold([0.0; 3], |s, t| [0, 1, 2].map(|c| s[c] + t[c]))

@@ -296,7 +296,7 @@ fn features_off_cost_nothing() {
         Requirements::of(&dark, Mode::Trace).live_lights,
         [false, false]
     );
-    let [before, per_normal, nothing] = [&scene, &infinite, &dark].map(|s| both(s));
+    let [before, per_normal, nothing] = [&scene, &infinite, &dark].map(both);
     for i in 0..2 {
         let points = before[i].lighting().points;
         assert_eq!(before[i].normalizations(), 2 * points);
