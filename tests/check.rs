@@ -121,7 +121,7 @@ fn rmse(a: &Values, b: &Values) -> f64 {
 }
 
 /// The pixels of a layer or picture.
-type Pixels = Vec<[f32; 3]>;
+type Colors = Vec<[f32; 3]>;
 
 /// How a mistake is planted.
 #[derive(Clone, Copy)]
@@ -133,7 +133,7 @@ enum Plant {
     /// Changed pixels of the right picture: stored values in, stored values out.
     Pixels(fn(&Values) -> Values),
     /// The right picture's layers, summed wrongly.
-    Layers(fn(&[Pixels]) -> Pixels),
+    Layers(fn(&[Colors]) -> Colors),
     /// The small tracer, in a world.
     Tracer(fn() -> World, fn(&mut World, &mut Wrong)),
     /// The small rasterizer.
@@ -479,11 +479,11 @@ fn brightened(p: &Values) -> Values {
 }
 
 /// Every layer in 8 bits, then the sum.
-fn summed_in_bytes(layers: &[Pixels]) -> Pixels {
+fn summed_in_bytes(layers: &[Colors]) -> Colors {
     summed(layers, |x| f32::from(quantize8(x)) / 255.0)
 }
 
-fn summed(layers: &[Pixels], change: fn(f32) -> f32) -> Pixels {
+fn summed(layers: &[Colors], change: fn(f32) -> f32) -> Colors {
     let sum = |i: usize| {
         let terms = layers.iter().map(|layer| layer[i].map(change));
         terms.fold([0.0; 3], |s, t| [0, 1, 2].map(|c| s[c] + t[c]))
