@@ -5,25 +5,26 @@
 //! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
 //! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
 
-use super::branch::{Branch, Fork, Path};
+mod primary;
+mod secondary;
+mod shading;
+
+use super::branch::{Branch, Path};
 use super::bvh::Walker;
 use super::exact::unit;
 use super::faults::Normals;
 use super::inside::Inside;
-use super::media::{AIR, Media, MediaId};
-use super::ray::{NO_ITEM, Ray};
+use super::media::{AIR, Media};
+use super::ray::Ray;
 use super::record::Record;
-use super::shadow::Shadows;
 use super::sums::{Keep, Mean, Sums};
 use super::surface::Site;
-use super::{Counters, MAX_RAYS, Options, Plan};
+use super::{Counters, Options, Plan};
 use crate::error::Error;
 use crate::frame::{LayerIndex, NONE};
-use crate::gl;
 use crate::lanes::Real;
-use crate::lighting::{Batch, Batches, Sink, Visibility, shade, surface};
-use crate::math::{DMat3, DVec2, DVec3};
-use crate::sampling;
+use crate::lighting::{Batches, surface};
+use crate::math::{DMat3, DVec3};
 use crate::scene::requirements::Feature;
 
 /// A wave longer than this is cut between pixels.
@@ -204,76 +205,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         Ok(())
     }
 
-    fn primary_paths(&mut self, index: u32) -> Vec<Path> {
-        self.eye_rays.clear();
-        if let Some(ray) = self.start.as_ref().map(|(ray, _)| *ray) {
-            return vec![Path {
-                media: self.first_media(&ray),
-                ray,
-                weight: [1.0; 3],
-                pixel: 0,
-                branch: Branch::Primary,
-            }];
-        }
-        let image = &self.plan.scene.image;
-        let camera = &self.plan.scene.camera;
-        let world_from_eye = self.rotation.transpose();
-        let mut paths = Vec::new();
-        for pixel in 0..self.area.width * self.area.height {
-            let place = self.sample_place(pixel, index);
-            let (origin, direction) = camera.primary_ray(place, image.width, image.height);
-            let [t_min, t_max] = camera.ray_range(place, image.width, image.height);
-            self.eye_rays.push((origin, direction));
-            let ray = Ray {
-                origin: camera.eye + world_from_eye * origin,
-                direction: world_from_eye * direction,
-                t_min,
-                t_max,
-                skip: NO_ITEM,
-            };
-            paths.push(Path {
-                media: self.first_media(&ray),
-                ray,
-                weight: [1.0; 3],
-                pixel,
-                branch: Branch::Primary,
-            });
-        }
-        paths
-    }
-
-    /// The media that a primary ray starts in: air where nothing is transmitted, so that `cast` lights as the rasterizer does.
-    fn first_media(&mut self, ray: &Ray) -> MediaId {
-        if !self.options.refraction {
-            return AIR;
-        }
-        let plan = self.plan;
-        let (walker, media) = (&mut self.walker, &mut self.media);
-        let inside = self
-            .start
-            .as_ref()
-            .map_or(&plan.inside, |(_, inside)| inside);
-        inside.media(ray, &plan.surfaces, walker, media)
-    }
-
-    /// Where a sample of a pixel of the tile lies in the pixel frame.
-    fn sample_place(&self, pixel: u32, index: u32) -> DVec2 {
-        let image = &self.plan.scene.image;
-        let (x, y) = self.pixel_place(pixel);
-        let (sx, sy) =
-            sampling::seeded_position(image.pattern, image.samples, [x, y], index, image.seed);
-        let step = f64::from(sampling::SUBPIXEL);
-        DVec2::new(
-            f64::from(x) + f64::from(sx) / step,
-            f64::from(y) + f64::from(sy) / step,
-        )
-    }
-
-    fn pixel_place(&self, pixel: u32) -> (u32, u32) {
-        let (column, row) = (pixel % self.area.width, pixel / self.area.width);
-        (self.area.x + column, self.area.y + row)
-    }
-
     /// One generation: hits, shading, sums; returns the rays of the next one.
     fn wave(&mut self, generation: u32, index: u32, paths: &[Path]) -> Result<Vec<Path>, Error> {
         self.batches.clear();
@@ -376,212 +307,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         }
         self.counters.shaded_points += 1;
         surface
-    }
-
-    /// Primary hits: their terms are the picture's own; misses show the background.
-    fn add_local(&mut self, paths: &[Path], sites: &[Option<Site<R>>]) {
-        let background = self
-            .plan
-            .scene
-            .background()
-            .map(|x| R::ZERO + R::from_f64(x));
-        for (path, _) in paths.iter().zip(sites).filter(|(_, site)| site.is_none()) {
-            let pixel = path.pixel as usize;
-            self.sums.local[pixel] = background;
-            if let Some(emission) = self.sums.terms.get_mut(LayerIndex::EMISSION) {
-                emission[pixel] = background;
-            }
-        }
-        let batches = std::mem::take(&mut self.batches);
-        for batch in batches.iter() {
-            let terms = self.shade(batch, sites, self.sums.recording());
-            for (slot, &tag) in batch.tags.iter().enumerate() {
-                let pixel = paths[tag as usize].pixel as usize;
-                for (k, term) in terms.iter().enumerate() {
-                    let value = [term[0][slot], term[1][slot], term[2][slot]];
-                    if self.sums.recording() {
-                        self.sums.terms[k][pixel] = value;
-                    } else {
-                        self.sums.local[pixel] = value;
-                    }
-                }
-            }
-        }
-        self.batches = batches;
-    }
-
-    /// Secondary hits and misses: weight x term, in the order of the wave.
-    fn add_bounced(&mut self, paths: &[Path], sites: &[Option<Site<R>>]) {
-        let batches = std::mem::take(&mut self.batches);
-        let mut shaded: Vec<Terms<R>> = Vec::new();
-        let mut places = vec![(0u32, 0u32); paths.len()];
-        for (number, batch) in batches.iter().enumerate() {
-            shaded.push(self.shade(batch, sites, true));
-            for (slot, &tag) in batch.tags.iter().enumerate() {
-                places[tag as usize] = (number as u32, slot as u32);
-            }
-        }
-        self.batches = batches;
-        let background = self.plan.scene.background().map(R::from_f64);
-        let index = LayerIndex {
-            lights: self.plan.lamps.len(),
-        };
-        for (i, path) in paths.iter().enumerate() {
-            let layer = usize::from(path.branch == Branch::Refraction);
-            let pixel = path.pixel as usize;
-            if sites[i].is_none() {
-                let part = index.split(layer, index.lights);
-                self.sums.add(layer, pixel, path.weight, background);
-                self.sums.add_split(part, pixel, path.weight, background);
-                continue;
-            }
-            let (number, slot) = (places[i].0 as usize, places[i].1 as usize);
-            for (k, term) in shaded[number].iter().enumerate() {
-                let value = [term[0][slot], term[1][slot], term[2][slot]];
-                let part = index.split(layer, index.light_of(k));
-                self.sums.add(layer, pixel, path.weight, value);
-                self.sums.add_split(part, pixel, path.weight, value);
-            }
-        }
-    }
-
-    /// Asks the equation for a batch: every term where `record`, else one sum.
-    fn shade(&mut self, batch: &Batch<R>, sites: &[Option<Site<R>>], record: bool) -> Terms<R> {
-        let plan = self.plan;
-        let material = plan.material(batch.surface);
-        // Where terms follow the vertex colour, any light that it reflects may be shadowed.
-        let white = material
-            .tracked
-            .any()
-            .then(|| material.with_color(gl::CURRENT_COLOR));
-        let mut shadows = Shadows {
-            surfaces: &plan.surfaces,
-            scene: plan.scene,
-            lamps: &plan.lamps,
-            sources: &plan.sources,
-            material: white.as_ref().unwrap_or(material),
-            faults: &plan.faults,
-            ask_all: plan.needs.is_full(),
-            sites,
-            tags: &batch.tags,
-            walker: &mut self.walker,
-            counters: &mut self.counters,
-            record: self.record.as_deref_mut(),
-        };
-        let wanted = self.options.shadows && plan.needs.has(Feature::ShadowRays);
-        let visibility = wanted.then_some(&mut shadows as &mut dyn Visibility<R>);
-        let (isa, rig) = (self.options.isa, &plan.rig);
-        let mut terms = Vec::new();
-        let mut sum = [Vec::new(), Vec::new(), Vec::new()];
-        let sink = if record {
-            Sink::Record(&mut terms)
-        } else {
-            Sink::Sum(&mut sum)
-        };
-        let counted = shade(
-            isa,
-            rig,
-            material,
-            &batch.points,
-            visibility,
-            self.signed,
-            sink,
-        );
-        self.counters.lighting += counted;
-        if let Some(listener) = &mut self.record {
-            listener.shaded(batch, &terms);
-        }
-        if record { terms } else { vec![sum] }
-    }
-
-    /// Which secondary rays are cast: those asked for that the scene has a use for.
-    fn wanted(&self) -> [bool; 2] {
-        let needs = &self.plan.needs;
-        [
-            self.options.reflection && needs.has(Feature::ReflectionRays),
-            self.options.refraction && needs.has(Feature::RefractionRays),
-        ]
-    }
-
-    /// Adds the secondary rays of a hit to the next wave.
-    fn fork(
-        &mut self,
-        tag: u32,
-        path: &Path,
-        site: &Site<R>,
-        next: &mut Vec<Path>,
-    ) -> Result<(), Error> {
-        let optics = &self.plan.scene.materials[site.material as usize].optics;
-        if !optics.is_mirror() && !optics.is_transmissive() {
-            return Ok(());
-        }
-        let touching = self.touching_of(tag);
-        let fork = Fork {
-            path,
-            touching: &touching,
-            foot: &site.foot,
-            skip: site.skip,
-            normal_world: self.rotation.transpose() * DVec3::from_array(site.normal_eye),
-            object: site.object,
-            optics,
-            settings: &self.plan.scene.trace,
-            wanted: self.wanted(),
-            bends: self.plan.needs.has(Feature::Tir),
-            faults: &self.plan.faults,
-        };
-        let forked = fork.branches(&mut self.media);
-        if let Some(record) = &mut self.record {
-            record.fork(tag, &forked);
-        }
-        let (reflection, refraction) = (forked.reflection, forked.refraction);
-        self.counters.rays.reflection += u64::from(reflection.is_some());
-        self.counters.rays.refraction += u64::from(refraction.is_some());
-        let before = next.len();
-        next.extend([reflection, refraction].into_iter().flatten());
-        let rays = &mut self.sums.rays[path.pixel as usize];
-        *rays += (next.len() - before) as u32;
-        if *rays > MAX_RAYS {
-            let (x, y) = self.pixel_place(path.pixel);
-            return Err(Error::limit(format!(
-                "pixel {x} {y}: more than {MAX_RAYS} secondary rays for one sample"
-            ))
-            .with_help("lower the depth, or raise trace.weight_cutoff"));
-        }
-        Ok(())
-    }
-
-    /// What a ray meets where surfaces touch (`touch`): the opaque one that the solid it is in stands on, else the one it met;
-    /// then those that it passes with it are kept for [`Self::fork`].
-    fn settle(&mut self, tag: u32, path: &Path, hit: &super::ray::Hit, site: Site<R>) -> Site<R> {
-        let materials = &self.plan.scene.materials;
-        let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
-        if self.options.depth == 0 || !self.wanted()[1] || !clear(&site) {
-            return site;
-        }
-        let surfaces = &self.plan.surfaces;
-        let others = surfaces.touching(&path.ray, hit, &site.foot, &mut self.walker);
-        let passed = others.iter().take_while(|other| clear(other)).count();
-        if passed < others.len() && self.media.hold(path.media, site.object) {
-            return others[passed];
-        }
-        let kept = others[..passed].iter().map(|other| (tag, *other));
-        self.touching.extend(kept);
-        site
-    }
-
-    /// What a ray passes with the surface that it met.
-    fn touching_of(&self, tag: u32) -> Vec<super::touch::Touching<'p>> {
-        let first = self.touching.partition_point(|(t, _)| *t < tag);
-        let of_tag = self.touching[first..].iter().take_while(|(t, _)| *t == tag);
-        let plan = self.plan;
-        of_tag
-            .map(|(_, site)| super::touch::Touching {
-                object: site.object,
-                optics: &plan.scene.materials[site.material as usize].optics,
-                foot: site.foot,
-                skip: site.skip,
-            })
-            .collect()
     }
 }
 
