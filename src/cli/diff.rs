@@ -9,6 +9,7 @@ use rastray::error::Error;
 use rastray::import::picture;
 use rastray::report::diff::{Diff, DiffSummary, Options, Which};
 use rastray::report::files;
+use rastray::report::numbers::value;
 use rastray_compare::DEFAULT_PPD;
 
 use super::args::FollowArgs;
@@ -25,11 +26,13 @@ pub(super) const EXAMPLES: &str = "Examples:
   rastray diff expected.exr mine.exr --layer diffuse.lamp --json
   rastray diff expected.png mine.png --decode b     where mine.png holds sRGB values and expected.png linear ones
 
-A is the reference, B the test: difference = B - A. The files' first bytes say what they are: PNG, JPEG, BMP, PPM, PGM, PFM,
-HDR, EXR. Values are compared as stored: integers as fractions of the largest one, floats as they are. FLIP looks at the
-8-bit pictures as a screen shows them; where both files hold floats, HDR-FLIP looks at the light.
+A is the reference, B the test: difference = B - A. The files' first bytes say what they
+are: PNG, JPEG, BMP, PPM, PGM, PFM, HDR, EXR. Values are compared as stored: integers as
+fractions of the largest one, floats as they are. FLIP looks at the 8-bit pictures as a
+screen shows them; where both files hold floats, HDR-FLIP looks at the light.
 
-Exit codes: 0 done, 1 over --max-error, --min-psnr or --max-flip, 2 error. --max-error 0 asks for the same values.";
+Exit codes: 0 done, 1 over --max-error, --min-psnr or --max-flip, 2 error.
+--max-error 0 asks for the same values.";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum WhichArg {
@@ -49,13 +52,13 @@ pub(super) struct DiffArgs {
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Exit 1 where a value differs by more than this (1 = full intensity)
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     max_error: Option<f64>,
     /// Exit 1 where PSNR is below this, in dB
-    #[arg(long, value_name = "DB")]
+    #[arg(long, value_name = "DB", allow_negative_numbers = true)]
     min_psnr: Option<f64>,
     /// Exit 1 where the mean FLIP error is above this (0 to 1)
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     max_flip: Option<f64>,
     /// Pixels per degree of visual angle, for FLIP: 67.02 is 0.7 m from a 4K screen 0.7 m wide
     #[arg(long, value_name = "N", default_value_t = DEFAULT_PPD)]
@@ -100,6 +103,10 @@ fn check(args: &DiffArgs) -> Result<(), Error> {
                 format!("{value}: expected 0 or more"),
             ));
         }
+    }
+    if let Some(value) = args.max_flip.filter(|v| *v > 1.0) {
+        let message = format!("{value}: expected 0 to 1; FLIP is never above 1");
+        return Err(Error::parameter("--max-flip", message));
     }
     match &args.output {
         Some(folder) => files::check_folder(folder, "--output"),
@@ -157,20 +164,25 @@ fn once(args: &DiffArgs, verbosity: Verbosity) -> Result<(Made, bool), Error> {
 fn exceeded(args: &DiffArgs, summary: &DiffSummary) -> Vec<String> {
     let m = &summary.metrics;
     let mut lines = Vec::new();
-    let mut above = |flag: &str, found: f64, asked: Option<f64>| {
+    let mut above = |flag: &str, what: &str, found: f64, asked: Option<f64>| {
         if let Some(asked) = asked.filter(|asked| found > *asked) {
-            lines.push(format!("over {flag} {asked}: {found}"));
+            lines.push(format!("over {flag} {asked}: {what} is {}", value(found)));
         }
     };
-    above("--max-error", m.max, args.max_error);
-    above("--max-flip", m.flip.mean, args.max_flip);
+    above("--max-error", "the largest error", m.max, args.max_error);
+    above(
+        "--max-flip",
+        "the mean FLIP error",
+        m.flip.mean,
+        args.max_flip,
+    );
     // Without a PSNR the pictures are the same, and nothing asks for more.
     if let Some((asked, found)) = args
         .min_psnr
         .zip(m.psnr)
         .filter(|(asked, found)| found < asked)
     {
-        lines.push(format!("below --min-psnr {asked}: {found}"));
+        lines.push(format!("below --min-psnr {asked}: PSNR is {found:.2} dB"));
     }
     lines
 }

@@ -96,7 +96,7 @@ fn kind(path: &Path) -> Result<Kind, Error> {
                 "{}: expected a name that ends in .svg or .obj",
                 path.display()
             );
-            Err(Error::parameter("--output", message).with_help("leave -o out for text"))
+            Err(Error::parameter("--output", message).with_help("for text, give no -o"))
         }
     }
 }

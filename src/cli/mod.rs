@@ -118,7 +118,7 @@ const RENDER_EXAMPLES: &str = "Examples:
   rastray render whitted --turntable 36 -o turn.gif --mode trace --size 320x240
   rastray render highlight --vary material.plastic.shininess=1..128:24 -o shininess.gif
   rastray render lights --vary 'light.candle.position=[-2,1,2]..[2,1,2]:12'   lights-0001.png to -0012
-  rastray render whitted --error 1/255        the cheapest setting that is a step of 8 bits off, or less
+  rastray render whitted --error 1/255        the cheapest setting whose rmse is at most a step of 8 bits
   rastray render mine.toml --watch --open     shown once, drawn again whenever the file is saved";
 
 const COMPARE_EXAMPLES: &str = "Examples:

@@ -199,7 +199,8 @@ impl<'a, R: Real> Plans<'a, R> {
         assembly: &'a Assembly<R>,
         options: &'a Options,
     ) -> Result<Self, Error> {
-        let model = options.ladder.model;
+        // Factors are shown even where their product is 0; the colours are the same bits.
+        let model = Model::Full;
         let plan = |geometry| trace::Plan::new(scene, assembly, geometry, model);
         let shapes = |o: &crate::scene::Object| matches!(o.geometry, Geometry::Shape(_));
         let apart = options.geometry == trace::Geometry::Exact && scene.objects.iter().any(shapes);

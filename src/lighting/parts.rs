@@ -5,10 +5,10 @@
 //! Everything that is the same for all points of a light (its kind, its powers, the specular form) is decided outside
 //! the lanes or by a branch that always goes the same way.
 
-use super::Faults;
 use super::light::{DirectionalLight, Incident, Light, PointLight, Power, SpotLight};
 use super::scratch::Scratch;
 use super::vector::{cross_squared, dot3, ln_cosine, zero_to};
+use super::{Early, Faults};
 use crate::gl::SpecularModel;
 use crate::lanes::elementary::{exp, ln};
 use crate::lanes::{Lanes, Mask, Real};
@@ -373,7 +373,11 @@ fn terms<L: Lanes>(
     if products.as_is {
         return [ambient, diffuse, specular];
     }
-    let [ambient, diffuse, specular] = products.faults.early.terms([ambient, diffuse, specular]);
+    let mut terms = [ambient, diffuse, specular];
+    if products.faults.early != Early::Nothing {
+        terms = products.faults.early.terms(terms);
+    }
+    let [ambient, diffuse, specular] = terms;
     if !products.signed {
         return [ambient, diffuse, specular];
     }

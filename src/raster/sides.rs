@@ -8,8 +8,8 @@
 //! as in `edges`.
 //!
 //! A side between two snapped vertices lies where the integers of `edges` have it (pixel frame); any other side runs between
-//! the vertices as they are, or through the ray of its snapped end (ray frame: x, y, w and the sample's (X, Y, 1)); of a side
-//! that passes the near plane the far side of that plane is left out first ([`end`]).
+//! the vertices as they are, or through the ray of its snapped end (ray frame: x, y, w and the sample's (X, Y, 1)); a side to
+//! a vertex beyond the near plane keeps its direction there ([`end`]).
 //! Neighbours share both ends, so they share the line, whichever of them needs this module: each sample has one owner.
 //!
 //! Near and far bound a sample by the triangle's own distance under it, which is linear over w, too. That is a value, not
@@ -226,31 +226,25 @@ impl Side {
 }
 
 /// The end of a side: `place`, that of the first vertex; but where only the other end is snapped and this one is beyond the near
-/// plane, the point where the side meets that plane.
+/// plane, the point at infinity in the side's direction.
 ///
-/// A side runs through its snapped end, at most half a sub-pixel step away from the vertex. Towards its other end it nears the
-/// true line again, but beyond that it would leave it without bound: and what is seen of a side to a vertex behind the eye
-/// lies beyond it, around through infinity. GL clips and then snaps (GL 2.1 sections 2.12 and 3.5.1), to the same end.
+/// Such a side is the true one moved by what snapping moves its seen end: half a sub-pixel step at most, everywhere. Drawn to the
+/// vertex behind the eye it would leave the true line without bound, since what is seen of it lies beyond that vertex, around
+/// through infinity. GL clips and then snaps (GL 2.1 sections 2.12 and 3.5.1): within a step of the same.
 fn end(view: &View, place: &Place, [this, other]: [&Vertex; 2], other_snapped: bool) -> Place {
-    let [inside, outside] = [other, this].map(|v| view.inside_near(v));
-    let passes = place.snapped.is_none() && other_snapped && inside > 0.0 && outside < 0.0;
-    if !passes {
+    if place.snapped.is_some() || !other_snapped || view.inside_near(this) >= 0.0 {
         return place.clone();
     }
-    // Common powers of two change no proportion and keep products within range.
-    let (down, _) = inside.max(-outside).power_of_two_scale();
-    let [inside, outside] = [inside * down, outside * down];
+    // With a the seen end, b this one, and d = (b_xy a_w - a_xy b_w, 0): det(a, b, s) = det(a, d, s) / a_w, and a_w > 0. Common
+    // powers of two change no direction and keep products within range.
     let [a, b] = [other, this].map(Vertex::homogeneous);
     let largest = a.iter().chain(&b).fold(0.0f64, |m, x| m.max(x.abs()));
     let (down, _) = largest.power_of_two_scale();
-    let met = [0, 1, 2].map(|k| difference_of_products(b[k] * down, inside, a[k] * down, outside));
-    if met[2] > 0.0 {
-        Place {
-            ray: scaled(met),
-            ..place.clone()
-        }
-    } else {
-        place.clone()
+    let [a, b] = [a, b].map(|v| v.map(|x| x * down));
+    let along = |k: usize| difference_of_products(b[k], a[2], a[k], b[2]);
+    Place {
+        ray: scaled([along(0), along(1), 0.0]),
+        ..place.clone()
     }
 }
 

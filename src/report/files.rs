@@ -53,7 +53,7 @@ impl Format {
         found.map(|(_, format)| *format).ok_or_else(|| {
             let known = EXTENSIONS.map(|(name, _)| format!(".{name}")).join(", ");
             let got = match &extension {
-                Some(extension) => format!("no picture format is called .{extension}"),
+                Some(extension) => format!("pictures are not written as .{extension}"),
                 None => "the name has no extension, so its format is unknown".to_owned(),
             };
             let message = format!("{got}; expected one of {known}");

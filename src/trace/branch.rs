@@ -188,7 +188,9 @@ impl Fork<'_> {
         if eta_i == eta_t || !self.bends {
             return straight(crossing.media, eta_t);
         }
-        let model = self.optics.fresnel;
+        // Thin sheets bend nothing and have no Fresnel share: that of the first solid passed counts.
+        let mut passed = std::iter::once(self.optics).chain(self.touching.iter().map(|t| t.optics));
+        let model = passed.find(|o| !o.thin).unwrap_or(self.optics).fresnel;
         let mut normal = self.normal();
         let mut passed = refract(d, normal, eta_i, eta_t);
         if let Transmission::Through { direction, .. } = passed

@@ -16,6 +16,7 @@
 //! cross it, as before. Only objects whose bounds reach the near plane's part in the picture are looked at, so where no
 //! transmissive solid is near the camera this costs nothing; else one walk of [`Surfaces::crossings`] a primary ray whose
 //! near point is in their bounds. Those walks count as work, not as rays.
+//! Left out: a closed mesh of which only some faces are thin or opaque counts every face.
 
 use super::bvh::Walker;
 use super::media::{AIR, Media, MediaId};

@@ -94,7 +94,7 @@ pub struct ShadowRecord {
     pub ray: Ray,
     /// S_L.
     pub lit: [f64; 3],
-    /// Objects that take light from it and their t, nearest first; none where it is lit.
+    /// Objects that take light from it and their t, nearest first; none where nothing is in the way.
     pub crossed: Vec<(u32, f64)>,
 }
 

@@ -146,10 +146,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             found.push(hit);
             !keep(&hit)
         });
-        found.sort_by(|a, b| {
-            let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
-            a.t.total_cmp(&b.t).then(by_number)
-        });
+        found.sort_by(along_the_ray);
         (!stopped).then_some(found)
     }
 
@@ -168,16 +165,22 @@ impl<'a, R: Real> Surfaces<'a, R> {
             t_max: hit.t + 4.0 * foot.bound() / per_t,
             ..*ray
         };
-        let found = self.crossings(&near, walker, |_| true).unwrap_or_default();
-        let others = found
-            .iter()
-            .filter(|other| (other.item, other.feature) != (hit.item, hit.feature));
+        // Almost always there is nothing but the hit itself, and nothing is allocated.
+        let mut found: Vec<Hit> = Vec::new();
+        self.walk(&near, walker, |other, _| {
+            if in_range(&near, &other) && (other.item, other.feature) != (hit.item, hit.feature) {
+                found.push(other);
+            }
+            false
+        });
+        found.sort_by(along_the_ray);
         // Along a flat ray much is near: only what passes through the point itself touches.
         let touches = |other: &Site<R>| {
             let gap = (other.foot.point - foot.point).dot(other.foot.normal);
             gap.abs() <= foot.bound() + other.foot.bound()
         };
-        others
+        found
+            .iter()
             .map(|other| self.site(ray, other, None))
             .filter(touches)
             .collect()
@@ -517,6 +520,12 @@ fn gather<R>(
 
 fn in_range(ray: &Ray, hit: &Hit) -> bool {
     hit.t >= ray.t_min && hit.t <= ray.t_max
+}
+
+/// Order of hits along a ray; of those at one place, that of their numbers.
+fn along_the_ray(a: &Hit, b: &Hit) -> std::cmp::Ordering {
+    let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
+    a.t.total_cmp(&b.t).then(by_number)
 }
 
 /// Nearer, or as near with a lower primitive number (and feature).

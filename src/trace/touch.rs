@@ -5,6 +5,8 @@
 //! K_T of each, the media before and behind all of them by the list rule, direction and Fresnel's share at the first,
 //! which alone is shaded. The transmitted ray starts beyond the last. An opaque surface that a solid stands on is what a ray
 //! inside the solid meets, whichever of the two the file names first.
+//! Left out: an opaque surface in the plane of a clear one that is met from outside shows if the file names it first, as in the
+//! rasterizer; else the ray passes both.
 
 use super::branch::{Branch, Fork};
 use super::media::{Crossing, Media};

@@ -52,3 +52,39 @@ fn a_road_past_the_eye_keeps_its_width() {
         }
     }
 }
+
+/// A triangle of which one corner lies just beyond the near plane, and the next behind the eye.
+///
+/// What was wrong: the side between them ended where it meets the near plane, next to the snapped corner, and so had the direction
+/// of what snapping had moved. Snapped or not, the same pixels are covered but for those at edges.
+#[test]
+fn a_corner_at_the_near_plane_keeps_its_triangle() {
+    let covered = |depth: f64, snap: &str| {
+        let text = format!(
+            "[image]\nwidth = 200\nheight = 200\n\
+             [camera]\neye = [0, 0, 0]\ntarget = [0, 0, -1]\nfovy = 90\nnear = 1\n[raster]\nsnap = {snap}\n\
+             [object.o]\npositions = [[0.1003, 0.2017, -{depth:.9}], [0.3, 0.2, 1], [-3, -2, -5], [3, -2.5, -5]]\n\
+             indices = [[0, 1, 2], [0, 3, 1]]\n"
+        );
+        let scene = import(&text).expect("a scene").scene;
+        let assembly = Assembly::<f64>::new(&scene, None).expect("two triangles");
+        let options = Options {
+            shading: ShadeModel::Flat,
+            clamp: false,
+            layers: false,
+            isa: Isa::Scalar,
+        };
+        let plan = Plan::new(&scene, &assembly, Model::Required);
+        let frame = plan.draw(&options).expect("drawn").0;
+        frame.primitive.data.iter().filter(|p| **p != NONE).count()
+    };
+    for depth in [1.0 + 1e-7, 1.0 + 1e-6, 1.0001, 1.001, 1.01] {
+        let exact = covered(depth, "\"exact\"");
+        let snapped = covered(depth, "8");
+        assert!(exact > 1500, "{exact}");
+        assert!(
+            exact.abs_diff(snapped) <= 4,
+            "{depth}: {snapped} of {exact}"
+        );
+    }
+}

@@ -209,9 +209,9 @@ fn wrong_input_is_an_error_with_its_reason() {
     for (args, wanted) in [
         (
             &["a.png", "small.png"][..],
-            "is 32 x 24 pixels, and a.png is 64 x 48",
+            "small.png is 32 x 24 pixels, but a.png is 64 x 48",
         ),
-        (&["a.png", "text.png"], "no picture that is known here"),
+        (&["a.png", "text.png"], "no picture in a known format"),
         (&["a.png", "cut.png"], "broken or cut off"),
         (&["a.png", "missing.png"], "missing.png"),
         (&["a.png", "."], "is a folder"),

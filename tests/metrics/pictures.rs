@@ -412,11 +412,11 @@ fn crc(bytes: &[u8]) -> u32 {
 #[test]
 fn other_files_and_values_without_distance_are_named() {
     for (bytes, wanted) in [
-        (&b"GIF89a"[..], "is a GIF"),
-        (b"", "is empty"),
+        (&b"GIF89a"[..], "this is a GIF"),
+        (b"", "the file is empty"),
         (
             b"hello, world",
-            "no picture that is known here; expected one of PNG",
+            "no picture in a known format; expected one of PNG",
         ),
         (b"P4 1 1 x", "PBM"),
         (b"P3 1 1 255 1 2 300", "above the largest value 255"),

@@ -154,8 +154,14 @@ pub struct PictureFile {
 pub fn read(path: &Path, layer: Option<&str>) -> Result<PictureFile, Error> {
     let name = path.display().to_string();
     if path.is_dir() {
-        let error = Error::input(Place::file(name), "is a folder, not a picture");
+        let error = Error::input(Place::file(name), "this is a folder, not a picture");
         return Err(error.with_help("name a picture file in it"));
+    }
+    if !path.exists() {
+        let error = Error::parameter(name.clone(), format!("there is no file `{name}`"));
+        return Err(
+            error.with_help("name a picture file: PNG, JPEG, BMP, PPM, PGM, PFM, HDR or EXR")
+        );
     }
     let bytes = read_limited(path, MAX_BYTES, "compare a part of the picture")?;
     decode(&name, &bytes, layer)
@@ -211,21 +217,21 @@ pub fn decode(name: &str, bytes: &[u8], layer: Option<&str>) -> Result<PictureFi
 /// What is wrong with a file that is no picture of the known kinds.
 fn unknown(name: &str, bytes: &[u8]) -> Error {
     const OTHERS: [(&[u8], &str); 9] = [
-        (b"GIF8", "is a GIF"),
-        (b"RIFF", "is WebP or another RIFF file"),
-        (b"II*\0", "is a TIFF"),
-        (b"MM\0*", "is a TIFF"),
-        (b"P1", "is a PBM bitmap"),
-        (b"P4", "is a PBM bitmap"),
-        (b"P7", "is a PAM"),
-        (b"qoif", "is a QOI"),
-        (b"DDS ", "is a DDS"),
+        (b"GIF8", "this is a GIF"),
+        (b"RIFF", "this is WebP or another RIFF file"),
+        (b"II*\0", "this is a TIFF"),
+        (b"MM\0*", "this is a TIFF"),
+        (b"P1", "this is a PBM bitmap"),
+        (b"P4", "this is a PBM bitmap"),
+        (b"P7", "this is a PAM"),
+        (b"qoif", "this is a QOI"),
+        (b"DDS ", "this is a DDS"),
     ];
     let found = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic));
     let what = match found {
-        _ if bytes.is_empty() => "is empty",
+        _ if bytes.is_empty() => "the file is empty",
         Some((_, what)) => what,
-        None => "is no picture that is known here",
+        None => "this is no picture in a known format",
     };
     let names = PictureFormat::ALL.map(PictureFormat::name).join(", ");
     Error::input(

@@ -277,7 +277,10 @@ fn check_sizes(a: &PictureFile, b: &PictureFile) -> Result<(), Error> {
     if (w, h) == (v, g) {
         return Ok(());
     }
-    let message = format!("is {v} x {g} pixels, and {} is {w} x {h}", a.name);
+    let message = format!(
+        "{} is {v} x {g} pixels, but {} is {w} x {h}",
+        b.name, a.name
+    );
     Err(Error::input(Place::file(&b.name), message)
         .with_help("nothing is resized here: render or crop one of them to the size of the other"))
 }

@@ -7,6 +7,7 @@ use crate::math::DVec3;
 use crate::scene::requirements::Feature;
 use crate::trace::MAX_RAYS;
 use crate::trace::branch::{Fork, Path};
+use crate::trace::faults::Normals;
 use crate::trace::ray::Hit;
 use crate::trace::surface::Site;
 use crate::trace::touch::Touching;
@@ -73,7 +74,9 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     pub(super) fn settle(&mut self, tag: u32, path: &Path, hit: &Hit, site: Site<R>) -> Site<R> {
         let materials = &self.plan.scene.materials;
         let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
-        if self.options.depth == 0 || !self.wanted()[1] || !clear(&site) {
+        // Normals that `check` bends are those of the surface met.
+        let bent = self.plan.faults.normals != Normals::Right;
+        if bent || !self.wanted()[1] || !clear(&site) {
             return site;
         }
         let surfaces = &self.plan.surfaces;
