@@ -877,6 +877,193 @@ fn compression_is_no_mistake_and_hides_none() {
     }
 }
 
+/// Colours of 2 x 2 pixels averaged, brightness kept: what JPEG does before anything else, unless told not to.
+fn with_chroma_halved(picture: &Values) -> Values {
+    let bright = |c: &[f32; 3]| 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
+    let pixel = |i: usize| {
+        let (x, y) = (i % picture.width / 2 * 2, i / picture.width / 2 * 2);
+        let cells = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        let own = bright(&picture.data[i]);
+        [0, 1, 2].map(|k| {
+            let off = cells.iter().map(|(x, y)| {
+                let c = picture.at(*x, *y);
+                c[k] - bright(c)
+            });
+            (own + off.sum::<f32>() / 4.0).clamp(0.0, 1.0)
+        })
+    };
+    Plane {
+        width: picture.width,
+        height: picture.height,
+        data: (0..picture.data.len()).map(pixel).collect(),
+    }
+}
+
+/// The bytes of a JPEG file of the ordinary kind: halved chroma, blocks of 8 x 8. Sides must be even.
+fn jpeg(picture: &Values, quality: u8) -> Vec<u8> {
+    let halved = with_chroma_halved(picture);
+    let bytes: Vec<u8> = halved
+        .data
+        .iter()
+        .flatten()
+        .map(|x| quantize8(*x))
+        .collect();
+    let (width, height) = (picture.width as u32, picture.height as u32);
+    let mut file = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, quality)
+        .encode(&bytes, width, height, image::ExtendedColorType::Rgb8)
+        .expect("encoded");
+    file
+}
+
+/// A picture through such a file.
+fn through_jpeg(picture: &Values, quality: u8) -> Given {
+    let file = import::picture::decode("picture.jpg", &jpeg(picture, quality), None);
+    Given::from(file.expect("a JPEG"))
+}
+
+/// With red and yellow tiles halved chroma leaves much, which follows the picture: no mistake may feed on it.
+#[test]
+fn what_jpeg_leaves_is_no_mistake() {
+    let scene = load(WHITTED, &[], [320, 240]);
+    let right = eight_bits(&draw(&scene, Trace, false).0);
+    for quality in [75, 90, 95] {
+        let picture = through_jpeg(&right, quality);
+        let noise = rmse(&picture.color, &right);
+        assert!(picture.lossy && noise > 0.02, "quality {quality}: {noise}");
+        let report = judge(&scene, &picture, &[Trace]);
+        assert_eq!(
+            report.verdict,
+            Verdict::Right,
+            "quality {quality}: {:?}",
+            report.findings
+        );
+    }
+}
+
+#[test]
+fn jpeg_hides_no_mistake_that_is_larger_than_what_it_leaves() {
+    let ior = "material.glass.ior=0.6666666666666666";
+    for (name, mode, set, planted) in [
+        ("whitted", Trace, ior, "eta-inverted"),
+        (
+            "lights",
+            Gour,
+            "light.stage.spot_cutoff=48",
+            "spot-angle-doubled",
+        ),
+    ] {
+        let scene = load(Source::Shipped(name), &[], [320, 240]);
+        let wrong = load(Source::Shipped(name), &[set], [320, 240]);
+        let picture = through_jpeg(&eight_bits(&draw(&wrong, mode, false).0), 75);
+        let report = judge(&scene, &picture, &[mode]);
+        assert_eq!(report.verdict, Verdict::Mistake, "{name}");
+        assert_eq!(report.findings[0].mistake.name, planted, "{name}");
+    }
+}
+
+/// What is right as something else is said to be, and only that.
+#[test]
+fn a_right_picture_of_another_kind_is_told() {
+    let scene = load(WHITTED, &[], [WIDTH, HEIGHT]);
+    let traced = eight_bits(&draw(&scene, Trace, false).0);
+    let report = judge(&scene, &given(traced.clone()), &[Gour, Flat, Phong]);
+    assert_ne!(report.verdict, Verdict::Right);
+    assert_eq!(report.right_as, Some(Trace));
+    let negative = traced.map(|c| c.map(|x| 1.0 - x));
+    let report = judge(&scene, &given(negative), &[Gour]);
+    assert_eq!(
+        (report.verdict, report.right_as),
+        (Verdict::Unexplained, None)
+    );
+    let report = judge(&scene, &given(traced), &Mode::ALL);
+    assert_eq!((report.verdict, report.right_as), (Verdict::Right, None));
+}
+
+/// `rastray check` in a folder: its exit code, and all that it says, in one line.
+fn run_check(folder: &std::path::Path, args: &[&str]) -> (Option<i32>, String) {
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_rastray"))
+        .arg("check")
+        .args(args)
+        .current_dir(folder)
+        .output()
+        .expect("it runs");
+    let said = [run.stdout, run.stderr].concat();
+    let said = String::from_utf8(said).expect("UTF-8");
+    let words: Vec<&str> = said.split_whitespace().collect();
+    (run.status.code(), words.join(" "))
+}
+
+#[test]
+fn words_say_what_to_do() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = load(WHITTED, &[], [WIDTH, HEIGHT]);
+    let traced = eight_bits(&draw(&scene, Trace, false).0);
+    let file = folder.path().join("a.jpg");
+    std::fs::write(&file, jpeg(&traced, 90)).expect("writable");
+    let (code, said) = run_check(folder.path(), &["whitted", "a.jpg", "--mode", "trace"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("a PNG would say more."), "{said}");
+    assert!(
+        said.contains("nearest is a traced picture (trace), with"),
+        "{said}"
+    );
+
+    let bytes = traced
+        .data
+        .iter()
+        .flatten()
+        .map(|x| quantize8(*x))
+        .collect();
+    let picture = image::RgbImage::from_raw(WIDTH as u32, HEIGHT as u32, bytes);
+    let file = folder.path().join("a.png");
+    picture.expect("its size").save(file).expect("writable");
+    let (code, said) = run_check(folder.path(), &["whitted", "a.png", "--mode", "raster"]);
+    assert_eq!(code, Some(1), "{said}");
+    let advice = "As a traced picture (trace) it is right: leave --mode out, or say --mode trace.";
+    assert!(said.contains(advice), "{said}");
+    let (code, said) = run_check(folder.path(), &["whitted", "a.png", "--mode", "trace"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        said.contains("would not show on this scene, so they are not ruled out:"),
+        "{said}"
+    );
+}
+
+#[test]
+fn arguments_that_cannot_be_meant_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let refused = |args: &[&str], words: &str| {
+        let (code, said) = run_check(folder.path(), args);
+        assert_eq!(code, Some(2), "{said}");
+        assert!(said.contains(words), "{args:?}: {said}");
+    };
+    refused(
+        &["a.png", "whitted"],
+        "the scene comes first: rastray check whitted a.png",
+    );
+    refused(
+        &["whitted", "a.png", "--size", "8x8"],
+        "the size of the picture",
+    );
+    refused(
+        &["whitted", "a.png", "--mode", "trace", "--shading", "flat"],
+        "--mode trace asks for rays",
+    );
+    for output in ["out.jpg", "o.SVG", "-"] {
+        let words = format!("{output}: expected a .png file or the name of a folder");
+        refused(&["whitted", "a.png", "-o", output], &words);
+    }
+    let left = std::fs::read_dir(folder.path()).expect("readable").count();
+    assert_eq!(left, 0);
+    let (code, help) = run_check(folder.path(), &["--help"]);
+    assert_eq!(code, Some(0));
+    assert!(
+        help.contains("PNG, JPEG, BMP") && !help.contains("--size <"),
+        "{help}"
+    );
+}
+
 #[test]
 fn right_pictures_are_right_and_unrelated_ones_unexplained() {
     let size = [WIDTH, HEIGHT];

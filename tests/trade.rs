@@ -24,7 +24,7 @@ use rastray::trade::journal::Journal;
 use rastray::trade::measure::{Judge, judge};
 use rastray::trade::run::{Options, run};
 use rastray::trade::setting::{Renderer, Setting};
-use rastray::trade::truth::Truth;
+use rastray::trade::truth::{LEAST_WEIGHT, Truth};
 
 /// A scene of one shape in a square picture, seen along -z without perspective; `height` units are in view.
 fn one(shape: Shape, material: gl::Material, optics: Optics, size: u32, height: f64) -> Scene {
@@ -284,7 +284,7 @@ fn samples_have_the_slopes_of_their_patterns() {
 /// is k^(D+1) / (1 - k).
 #[test]
 fn recursion_leaves_the_rest_of_the_geometric_series() {
-    for k in [0.25, 0.5, 0.9] {
+    for k in [0.25f64, 0.5, 0.9] {
         let room = Shape::Box {
             min: DVec3::new(-3.0, -4.0, -7.0),
             max: DVec3::new(5.0, 6.0, 8.0),
@@ -297,9 +297,19 @@ fn recursion_leaves_the_rest_of_the_geometric_series() {
         scene.camera.projection = Projection::Perspective { fovy_deg: 70.0 };
         let found = measured(&scene, "recursion depth", 16);
         let trace = curve(&found, "trace");
+        let drawn = Truth::Full.draw(&scene, Isa::detect()).expect("draws");
+        let end = Truth::Full
+            .end(&scene, &drawn, Isa::detect())
+            .expect("draws");
+        let left = Some(k.powi(129)).filter(|left| *left >= LEAST_WEIGHT);
+        assert_eq!(end.depth, 128);
+        assert_eq!(end.weight_left.is_some(), left.is_some(), "{k}: {end:?}");
+        if let (Some(found), Some(left)) = (end.weight_left, left) {
+            near("weight left", found / left, 1.0, 1e-9);
+        }
         for point in &trace.points {
             let rest = k.powf(point.knob + 1.0) / (1.0 - k);
-            // The truth stops at weights of 1e-7, or at generation 128.
+            // The truth stops at weights of 1e-7, or at generation 128, and says so.
             let left = (1e-7f64).max(k.powi(129)) / (1.0 - k);
             let off = (point.error.rmse - rest).abs();
             assert!(
@@ -400,6 +410,9 @@ fn the_command_leaves_a_folder_whose_answers_can_be_typed() {
     }
     let trade: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(trade["settings"], trade["measured"]);
+    // One mirror: no ray is left.
+    assert_eq!(trade["truth"]["depth"], 128);
+    assert!(trade["truth"]["weight_left"].is_null());
     let rows = trade["rows"].as_array().expect("rows");
     let csv = std::fs::read_to_string(out.join("trade.csv")).expect("written");
     assert_eq!(csv.lines().count(), rows.len() + 1);
@@ -438,6 +451,43 @@ fn the_command_leaves_a_folder_whose_answers_can_be_typed() {
         "{}",
         text(&again.stderr)
     );
+}
+
+#[test]
+fn what_is_not_measured_yet_is_not_out_of_reach() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let args = [&SMALL[..6], &["--budget", "1e-9", "--no-times"]].concat();
+    let output = rastray(folder.path(), &args);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.starts_with("1 of "), "{said}");
+    assert!(
+        said.contains("error below 1/255, judged at 24 x 18"),
+        "{said}"
+    );
+    assert!(said.contains("Not reached by the 1 of "), "{said}");
+    assert!(!said.contains("Out of reach"), "{said}");
+    assert!(
+        said.contains("`rastray render 15-mirror --error 1/255` judges"),
+        "{said}"
+    );
+}
+
+#[test]
+fn extremes_say_their_result_and_print_their_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let line = ["trade", "--extremes", "--size", "8x6"];
+    let plain = rastray(folder.path(), &line);
+    assert_eq!(plain.status.code(), Some(0), "{}", text(&plain.stderr));
+    assert!(
+        text(&plain.stdout).contains("figures agree within the bar"),
+        "{}",
+        text(&plain.stdout)
+    );
+    let json = rastray(folder.path(), &[&line[..], &["--json"]].concat());
+    let file = std::fs::read(folder.path().join("extremes/extremes.json")).expect("written");
+    assert_eq!(json.stdout, file);
+    assert!(folder.path().join("extremes/extremes.csv").is_file());
 }
 
 #[test]
@@ -520,6 +570,9 @@ fn wrong_flags_leave_nothing() {
     for (args, says) in [
         (&["trade"][..], "none is named"),
         (&["trade", "whitted", "--budget", "0"], "--budget"),
+        (&["trade", "whitted", "--budget", "-1"], "expected seconds"),
+        (&["trade", "whitted", "--extremes"], "leave out whitted"),
+        (&["trade", "--extremes", "--verify"], "--verify"),
         (
             &["trade", "whitted", "--ideal-samples", "1"],
             "--ideal-samples",

@@ -1,6 +1,6 @@
 //! From errors to an answer: right, or which mistakes explain the picture, or none of them.
 
-use super::measure::{Noise, SAME, Values, contrast, mse, rmse, surely_nearer};
+use super::measure::{Noise, SAME, Values, contrast, mse, rmse, stands_out, surely_nearer};
 use super::{Mistake, Mode, all};
 
 /// The short answer.
@@ -194,11 +194,18 @@ impl Bench<'_> {
         self.least(|c| {
             let changed = mse(&c.picture, &right.picture);
             let gained = right.error.powi(2) - c.error.powi(2);
-            let surely = || surely_nearer(self.given, &c.picture, &right.picture) >= SURE;
             changed > SAME * SAME
                 && gained >= changed / 2.0
-                && (c.error <= (1.0 - EXPLAINS) * right.error || surely())
+                && (c.error <= (1.0 - EXPLAINS) * right.error || self.shows(c))
         })
+    }
+
+    /// A mistake that removes little of the error is there all the same, and is no chance. What compression leaves is no
+    /// chance either: it follows the picture, as mistakes do, so in a lossy file a mistake must stand out from it.
+    fn shows(&self, c: &Candidate) -> bool {
+        let right = &self.nearest().picture;
+        surely_nearer(self.given, &c.picture, right) >= SURE
+            && (!self.noise.follows || stands_out(self.given, &c.picture, right))
     }
 
     /// The mistake that explains most of a picture that does not agree with the right one.
@@ -370,6 +377,30 @@ mod tests {
                 judge(&given, Noise::LOSSLESS, &rights, &candidates).verdict,
                 verdict
             );
+        }
+    }
+
+    #[test]
+    fn in_a_lossy_file_a_mistake_must_stand_out_from_the_noise() {
+        let right = plane(|x, y| (x + y) as f32 / 120.0);
+        // Up and down from pixel to pixel, so that means hide it.
+        let rough = |by: f32| {
+            plane(|x, y| {
+                let sign = if (x + y) % 2 == 0 { by } else { -by };
+                (x + y) as f32 / 120.0 + if x < 48 { sign } else { 0.0 }
+            })
+        };
+        for (by, verdict) in [(0.04, Verdict::Mistake), (0.008, Verdict::Right)] {
+            let lossy = Noise::LOSSY;
+            let wrong = rough(by);
+            let mut given = wrong.clone();
+            for (i, c) in given.data.iter_mut().enumerate() {
+                *c = c.map(|x| x + 0.1 * noise(i));
+            }
+            let rights = [Right::new(Mode::Trace, right.clone(), &given)];
+            let candidates = [candidate(0, wrong, &given)];
+            assert!(lossy.hides(&right, &given) && candidates[0].error > 0.5 * rights[0].error);
+            assert_eq!(judge(&given, lossy, &rights, &candidates).verdict, verdict);
         }
     }
 

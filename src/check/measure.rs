@@ -15,6 +15,8 @@ pub struct Noise {
     pub pixels: f64,
     /// Largest rmse of means of 16 x 16 pixels, which compression keeps.
     pub means: f64,
+    /// The noise follows the picture, so that a mistake may seem to remove a little of it.
+    pub follows: bool,
 }
 
 impl Noise {
@@ -22,12 +24,23 @@ impl Noise {
     pub const LOSSLESS: Self = Self {
         pixels: 0.02,
         means: 0.004,
+        follows: false,
     };
     /// Of a file that does not.
     pub const LOSSY: Self = Self {
         pixels: 0.05,
         means: 0.006,
+        follows: true,
     };
+
+    /// Of a given file.
+    pub(super) fn of(given: &Given) -> Self {
+        if given.lossy {
+            Self::LOSSY
+        } else {
+            Self::LOSSLESS
+        }
+    }
 
     /// Two pictures differ by no more.
     pub(super) fn hides(&self, a: &Values, b: &Values) -> bool {
@@ -224,6 +237,21 @@ pub(super) fn surely_nearer(given: &Values, a: &Values, b: &Values) -> f64 {
     blocks.iter().sum::<f64>() / chance.max(f64::MIN_POSITIVE)
 }
 
+/// What tells `a` from `b` is larger than what tells a picture from `a`, where `a` and `b` differ: both squared, each pixel
+/// weighing as the square of that difference.
+pub(super) fn stands_out(given: &Values, a: &Values, b: &Values) -> bool {
+    let square = |p: &[f32; 3], q: &[f32; 3]| -> f64 {
+        (0..3).map(|c| f64::from(p[c] - q[c]).powi(2)).sum()
+    };
+    let (mut change, mut noise) = (0.0, 0.0);
+    for ((g, p), q) in given.data.iter().zip(&a.data).zip(&b.data) {
+        let weight = square(p, q);
+        change += weight * weight;
+        noise += weight * square(g, p);
+    }
+    change > noise
+}
+
 /// Largest difference of two values.
 pub(super) fn largest(a: &Values, b: &Values) -> f64 {
     let pairs = a.data.iter().flatten().zip(b.data.iter().flatten());
@@ -278,6 +306,24 @@ mod tests {
         let lighter = plain.map(|c| c.map(|x| x + 0.01));
         assert!((rmse_of_means(&plain, &lighter) - 0.01).abs() < 1e-7);
         assert!(!Noise::LOSSLESS.hides(&plain, &lighter));
+    }
+
+    #[test]
+    fn a_change_stands_out_from_noise_that_is_smaller_where_it_is_made() {
+        let plain = Plane::filled(16, 16, [0.5f32; 3]);
+        let spotted = |by: f32| {
+            let mut picture = plain.clone();
+            picture.data[..16].fill([0.5 + by; 3]);
+            picture
+        };
+        let mut given = spotted(0.2);
+        for (i, c) in given.data.iter_mut().enumerate() {
+            *c = c.map(|x| if i % 2 == 0 { x + 0.1 } else { x - 0.1 });
+        }
+        assert!(stands_out(&given, &spotted(0.2), &plain));
+        let faint = plain.map(|c| c.map(|x| x + 0.01));
+        assert!(!stands_out(&given, &faint, &plain));
+        assert!(!stands_out(&given, &plain, &plain));
     }
 
     #[test]

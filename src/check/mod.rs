@@ -18,7 +18,8 @@
 //! **Error.** rmse of the stored values: the right picture is clamped, rounded and encoded as the given file is. **Noise.**
 //! The picture agrees with another one where their rmse, and that of the means of 16 x 16 pixels, are within [`Noise`]: so
 //! 8-bit rounding and JPEG pass, a changed tone does not. Below that, a mistake is believed where it removes at least half of
-//! what it changes, in squares half of |mistaken - right|^2, and this is no chance. **Ties.** Two mistakes whose pictures
+//! what it changes, in squares half of |mistaken - right|^2, and this is no chance; in a lossy file, whose noise follows the
+//! picture, only where it also removes half of the error, or its change is larger than the noise where it is made. **Ties.** Two mistakes whose pictures
 //! differ by less than [`SAME`] on this scene, or that noise hides from each other, are named together.
 //!
 //! **Speed.** Pictures above [`FIRST_PASS`] pixels are first judged on every k-th pixel of every k-th row, k odd, which is
@@ -165,6 +166,8 @@ pub struct Report {
     pub mode: Mode,
     /// Other modes whose right picture it is just as well.
     pub also: Vec<Mode>,
+    /// A mode that was not asked for, as which a picture that is not right would be right.
+    pub right_as: Option<Mode>,
     /// rmse against the right picture of that mode.
     pub error: f64,
     /// Of the means of 16 x 16 pixels.
@@ -199,6 +202,55 @@ pub fn check<R: Real>(
     progress: &(dyn Fn(u64, u64, &str) + Sync),
 ) -> Result<Report, Error> {
     refuse(scene, given, options)?;
+    let mut report = held_against::<R>(scene, given, options, progress)?;
+    if report.verdict != Verdict::Right {
+        report.right_as = right_as::<R>(scene, given, options)?;
+    }
+    Ok(report)
+}
+
+/// The mode that was not asked for, as which the picture is right: the nearest, held against its mistakes like the others.
+fn right_as<R: Real>(
+    scene: &Scene,
+    given: &Given,
+    options: &Options,
+) -> Result<Option<Mode>, Error> {
+    let mut others = Mode::ALL.to_vec();
+    others.retain(|mode| !options.modes.contains(mode));
+    if others.is_empty() {
+        return Ok(None);
+    }
+    let stored = Stored::of(given, options.srgb);
+    let setup = Setup::<R>::new(scene, options, stored, 1)?;
+    let near = setup.with_stage(|stage| {
+        let mut near: Vec<Right> = Vec::new();
+        for mode in others {
+            let picture = stored.apply(&stage.right(mode)?);
+            if Noise::of(given).hides(&picture, &given.color) {
+                near.push(Right::new(mode, picture, &given.color));
+            }
+        }
+        Ok(near)
+    })?;
+    let nearest = near.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+    let Some(mode) = nearest.map(|right| right.mode) else {
+        return Ok(None);
+    };
+    let options = Options {
+        modes: vec![mode],
+        ..options.clone()
+    };
+    let report = held_against::<R>(scene, given, &options, &|_, _, _| {})?;
+    Ok((report.verdict == Verdict::Right).then_some(mode))
+}
+
+/// [`check`], in the modes that were asked for.
+fn held_against<R: Real>(
+    scene: &Scene,
+    given: &Given,
+    options: &Options,
+    progress: &(dyn Fn(u64, u64, &str) + Sync),
+) -> Result<Report, Error> {
     let stored = Stored::of(given, options.srgb);
     let pixels = given.color.data.len();
     let step = measure::odd_step(pixels, FIRST_PASS);
@@ -221,12 +273,12 @@ pub fn check<R: Real>(
         let finals = Setup::<R>::new(scene, options, stored, 1)?;
         held = finals.with_stage(|stage| held.in_full(stage, &given.color, &stored))?;
     }
-    let noise = if given.lossy {
-        Noise::LOSSY
-    } else {
-        Noise::LOSSLESS
-    };
-    let judged = judge(&given.color, noise, &held.rights, &held.candidates);
+    let judged = judge(
+        &given.color,
+        Noise::of(given),
+        &held.rights,
+        &held.candidates,
+    );
     let cannot_show = unshown
         .into_iter()
         .filter(|(mode, m)| *mode == judged.mode && !shown.contains(&(*mode, *m)))
@@ -442,6 +494,7 @@ fn report(
         verdict: judged.verdict,
         mode: judged.mode,
         also: judged.also,
+        right_as: None,
         error: right.error,
         error_of_means: measure::rmse_of_means(&right.picture, &given.color),
         largest: measure::largest(&right.picture, &given.color),

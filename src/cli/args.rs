@@ -234,10 +234,10 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) quality: QualityArgs,
     /// Pick the cheapest setting whose error (rmse of linear values) is at most E, such as 1/255
-    #[arg(long, value_name = "E", conflicts_with_all = PICKED)]
+    #[arg(long, value_name = "E", conflicts_with_all = PICKED, allow_negative_numbers = true)]
     pub(super) error: Option<String>,
     /// Pick the most accurate setting that takes at most MS milliseconds on this machine
-    #[arg(long, value_name = "MS", conflicts_with_all = PICKED, conflicts_with = "error")]
+    #[arg(long, value_name = "MS", conflicts_with_all = PICKED, conflicts_with = "error", allow_negative_numbers = true)]
     pub(super) time: Option<f64>,
     /// Keep every term of the equation as a layer of its own (.exr)
     #[arg(long)]

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use rastray::check::{self, Finding, Given, Mistake, Mode, Options, Report, Telling, Verdict};
 use rastray::error::Error;
-use rastray::import::{Imported, picture};
+use rastray::import::{self, Imported, picture};
 use rastray::report::checked::{Checked, verdict_name};
 use rastray::report::files;
 use rastray::report::formats::png_of_picture;
@@ -38,10 +38,12 @@ pub(super) enum MeantArg {
 }
 
 #[derive(Debug, Args)]
+// Parsed only to be refused with a reason.
+#[command(mut_arg("size", |size| size.hide(true)))]
 pub(super) struct CheckArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// The picture: .png, .exr, .hdr, .pfm; the scene is drawn at its size
+    /// The picture: PNG, JPEG, BMP, PPM, PGM, PFM, HDR or OpenEXR; the scene is drawn at its size
     #[arg(value_name = "IMAGE")]
     pub(super) image: PathBuf,
     /// What the picture is meant to be: raster, cast, trace (default: found by looking)
@@ -59,10 +61,7 @@ pub(super) struct CheckArgs {
 
 /// Exit code 0 where the picture is right, else 1.
 pub(super) fn check(args: &CheckArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
-    if args.quality.size.is_some() {
-        let message = "the scene is drawn at the size of the picture";
-        return Err(Error::parameter("--size", message).with_help("leave it out"));
-    }
+    refuse(args)?;
     check_output(args.output.as_deref())?;
     let file = picture::read(&args.image, None)?;
     for note in file.notes.iter().filter(|_| verbosity != Verbosity::Quiet) {
@@ -91,6 +90,7 @@ pub(super) fn check(args: &CheckArgs, verbosity: Verbosity) -> Result<ExitCode, 
             &Told {
                 report: &report,
                 args,
+                lossy: given.lossy,
                 columns,
             }
             .text(),
@@ -102,15 +102,59 @@ pub(super) fn check(args: &CheckArgs, verbosity: Verbosity) -> Result<ExitCode, 
     Ok(ExitCode::from(u8::from(report.verdict != Verdict::Right)))
 }
 
+/// What is asked for in vain, and a picture and a scene that have changed places.
+fn refuse(args: &CheckArgs) -> Result<(), Error> {
+    if args.quality.size.is_some() {
+        let message = "the scene is drawn at the size of the picture";
+        return Err(Error::parameter("--size", message).with_help("leave it out"));
+    }
+    let rays = match args.mode {
+        Some(MeantArg::Cast) => Some("cast"),
+        Some(MeantArg::Trace) => Some("trace"),
+        Some(MeantArg::Raster) | None => None,
+    };
+    if let (Some(rays), Some(_)) = (rays, args.quality.shading) {
+        let message = format!("a shading is the rasterizer's, and --mode {rays} asks for rays");
+        let help = "leave out one of the two, or say --mode raster";
+        return Err(Error::parameter("--shading", message).with_help(help));
+    }
+    let image = args.image.to_string_lossy();
+    let is_scene = import::shipped().iter().any(|s| s.name == image);
+    if is_scene && !args.image.is_file() {
+        let message = format!("{image}: there is no such file, but a scene of that name");
+        let scene = quote(&args.scene.scene);
+        let help = format!("the scene comes first: rastray check {image} {scene}");
+        return Err(Error::parameter("IMAGE", message).with_help(help));
+    }
+    Ok(())
+}
+
 fn is_png(path: &Path) -> bool {
     path.extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+/// Endings of pictures and pages: a folder that is to be made is hardly meant to have one.
+const OTHER_ENDINGS: [&str; 17] = [
+    "jpg", "jpeg", "bmp", "ppm", "pgm", "pnm", "pfm", "hdr", "exr", "gif", "tif", "tiff", "webp",
+    "svg", "html", "htm", "pdf",
+];
+
+/// `-`, or what is named like a file that `check` does not write.
+fn is_other_file(path: &Path) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    path.as_os_str() == "-" || ending.is_some_and(|e| OTHER_ENDINGS.contains(&e.as_str()))
 }
 
 fn check_output(output: Option<&Path>) -> Result<(), Error> {
     match output {
         None => Ok(()),
         Some(path) if is_png(path) => files::check_target(path, "--output"),
+        Some(path) if is_other_file(path) && !path.is_dir() => {
+            let expected = "expected a .png file or the name of a folder";
+            let message = format!("{}: {expected}", path.display());
+            Err(Error::parameter("--output", message).with_help("for example -o check.png"))
+        }
         Some(path) => files::check_folder(path, "--output"),
     }
 }
@@ -179,16 +223,18 @@ fn write(path: &Path, both: &Checked<'_>, args: &CheckArgs) -> Result<(), Error>
     files::write_bytes_atomic(&path.join("check.json"), report.as_bytes())
 }
 
+/// A word of a command line.
+fn quote(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
+    if word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{word}'")
+    }
+}
+
 /// The line that explains a pixel.
 fn explain(args: &CheckArgs, report: &Report, telling: &Telling) -> String {
-    let quote = |word: &str| {
-        let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
-        if word.chars().all(plain) {
-            word.to_owned()
-        } else {
-            format!("'{word}'")
-        }
-    };
     let [width, height] = report.size;
     let scene = quote(&args.scene.scene);
     let mut line = format!(
@@ -205,6 +251,8 @@ fn explain(args: &CheckArgs, report: &Report, telling: &Telling) -> String {
 struct Told<'a> {
     report: &'a Report,
     args: &'a CheckArgs,
+    /// The file was compressed with a loss.
+    lossy: bool,
     columns: usize,
 }
 
@@ -224,7 +272,7 @@ impl Told<'_> {
             Verdict::Mistake => self.mistake(),
             Verdict::Unexplained => self.unexplained(),
         };
-        text + &self.cannot_show()
+        text + &self.right_as() + &self.cannot_show()
     }
 
     fn paragraph(&self, indent: usize, words: &str) -> String {
@@ -241,7 +289,7 @@ impl Told<'_> {
             r.mode.describe()
         );
         if !r.also.is_empty() {
-            let also: Vec<&str> = r.also.iter().map(|m| m.name()).collect();
+            let also: Vec<&str> = r.also.iter().map(|m| m.describe()).collect();
             words += &format!(" On this scene that is the same as {}.", also.join("; "));
         }
         let mut text = self.paragraph(0, &words);
@@ -249,7 +297,8 @@ impl Told<'_> {
         if !r.findings.is_empty() {
             text += "\nHad it been meant for something else, it would have this mistake:\n";
             for f in &r.findings {
-                text += &format!("  {}: {}\n", f.mode.name(), f.mistake.title);
+                text +=
+                    &self.paragraph(2, &format!("As {}: {}", f.mode.describe(), f.mistake.title));
             }
         }
         text
@@ -260,11 +309,7 @@ impl Told<'_> {
         let Some(best) = r.findings.first() else {
             return String::new();
         };
-        let words = format!(
-            "The picture is not right. It is {} with one mistake that explains it:",
-            r.mode.describe()
-        );
-        let mut text = self.paragraph(0, &words);
+        let mut text = self.paragraph(0, &explained(r.mode, best));
         text += &self.finding(1, best, true);
         let (tied, rest): (Vec<&Finding>, Vec<&Finding>) =
             r.findings[1..].iter().partition(|f| f.tied);
@@ -295,7 +340,7 @@ impl Told<'_> {
             share(f.removed)
         );
         if f.mode != self.report.mode {
-            heading += &format!(", as {}", f.mode.name());
+            heading += &format!(", as {}", f.mode.describe());
         }
         heading += ")";
         let mut text = if full { "\n".to_owned() } else { String::new() };
@@ -341,10 +386,15 @@ impl Told<'_> {
     fn unexplained(&self) -> String {
         let r = self.report;
         let words = format!(
-            "The picture is not right, and none of these mistakes explains it: nearest is the right picture as {}, with an \
-             rmse of {}. Several mistakes at once are not looked for; is it the same scene, with the same camera?",
-            r.mode.name(),
-            value(r.error)
+            "The picture is not right, and none of these mistakes explains it: nearest is {}, with an rmse of {}.{} Several \
+             mistakes at once are not looked for; is it the same scene, with the same camera?",
+            r.mode.describe(),
+            value(r.error),
+            if self.lossy {
+                " The file is a JPEG; a PNG would say more."
+            } else {
+                ""
+            }
         );
         let mut text = self.paragraph(0, &words);
         if !r.findings.is_empty() {
@@ -360,18 +410,60 @@ impl Told<'_> {
         text
     }
 
+    /// What the picture is right as, where that was not asked for, and how to ask.
+    fn right_as(&self) -> String {
+        let Some(mode) = self.report.right_as else {
+            return String::new();
+        };
+        let asked = [
+            self.args.mode.map(|_| "--mode"),
+            self.args.quality.shading.map(|_| "--shading"),
+        ];
+        let asked: Vec<&str> = asked.into_iter().flatten().collect();
+        let words = format!(
+            "As {} it is right: leave {} out, or say {}.",
+            mode.describe(),
+            asked.join(" and "),
+            asked_for(mode)
+        );
+        format!("\n{}", self.paragraph(0, &words))
+    }
+
     fn cannot_show(&self) -> String {
         let names: Vec<&str> = self.report.cannot_show.iter().map(|m| m.name).collect();
         if names.is_empty() || self.report.verdict == Verdict::Unexplained {
             return String::new();
         }
         let words = format!(
-            "Not to be seen on this scene, made or not ({} of {}): {}.",
+            "{} of the {} mistakes would not show on this scene, so they are not ruled out: {}.",
             names.len(),
             check::all().len(),
             names.join(", ")
         );
         format!("\n{}", self.paragraph(0, &words))
+    }
+}
+
+/// The verdict above a mistake, which explains the picture or only shows in it.
+fn explained(mode: Mode, best: &Finding) -> String {
+    let kind = mode.describe();
+    if best.removed < 0.5 {
+        format!(
+            "The picture is not right. It is {kind} in which one mistake shows, though most of the error is noise:"
+        )
+    } else {
+        format!("The picture is not right. It is {kind} with one mistake that explains it:")
+    }
+}
+
+/// How the command line asks for a mode.
+fn asked_for(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Gouraud => "--mode raster --shading gouraud",
+        Mode::Flat => "--mode raster --shading flat",
+        Mode::Phong => "--mode raster --shading phong",
+        Mode::Cast => "--mode cast",
+        Mode::Trace => "--mode trace",
     }
 }
 
@@ -427,6 +519,7 @@ fn as_json(r: &Report, args: &CheckArgs) -> Value {
         "verdict": verdict_name(r.verdict),
         "mode": r.mode.name(),
         "also": r.also.iter().map(|m| m.name()).collect::<Vec<_>>(),
+        "right_as": r.right_as.map(Mode::name),
         "rmse": r.error,
         "rmse_of_means": r.error_of_means,
         "max": r.largest,
@@ -435,4 +528,28 @@ fn as_json(r: &Report, args: &CheckArgs) -> Value {
         "pictures": r.pictures,
         "telling": r.telling.iter().map(telling).collect::<Vec<_>>(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mistake_that_removes_less_than_half_shows_and_explains_not() {
+        let finding = |removed| Finding {
+            mistake: &check::all()[0],
+            mode: Mode::Trace,
+            amount: None,
+            error: 0.01,
+            removed,
+            tied: false,
+        };
+        let said = |removed| explained(Mode::Trace, &finding(removed));
+        assert!(
+            said(0.9)
+                .ends_with("It is a traced picture (trace) with one mistake that explains it:")
+        );
+        assert!(said(0.3).contains("one mistake shows, though most of the error is noise"));
+        assert!(!said(0.3).contains("explains it"));
+    }
 }

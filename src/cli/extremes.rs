@@ -9,16 +9,19 @@ use rastray::report::{atlas, files};
 use rastray::trade::extremes::{self, Options};
 
 use super::compare::command_line;
-use super::options::Verbosity;
+use super::options::{Verbosity, parse_size};
 use super::progress::Progress;
+use super::trade::TradeArgs;
+use super::{commands, show};
 
 /// Draws the atlas into a folder. Exit code 1 where a figure is the program's fault.
-pub(super) fn extremes(
-    output: Option<&Path>,
-    size: Option<(u32, u32)>,
-    verbosity: Verbosity,
-) -> Result<ExitCode, Error> {
-    let folder = output.unwrap_or(Path::new("extremes"));
+pub(super) fn extremes(args: &TradeArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
+    if let Some(scene) = &args.scene {
+        let message = format!("brings its own scenes: leave out {scene}");
+        return Err(Error::parameter("--extremes", message));
+    }
+    let size = args.size.as_deref().map(parse_size).transpose()?;
+    let folder = args.output.as_deref().unwrap_or(Path::new("extremes"));
     files::check_folder(folder, "--output")?;
     let mut options = Options::default();
     if let Some((width, height)) = size {
@@ -34,7 +37,16 @@ pub(super) fn extremes(
     for file in &written {
         files::write_bytes_atomic(&folder.join(&file.name), &file.bytes)?;
     }
-    verbosity.say(folder.join("index.html").display());
+    if args.json {
+        commands::print(&atlas::json(&drawn)?)?;
+    } else if verbosity != Verbosity::Quiet {
+        commands::print(&(atlas::summary(&drawn) + "\n"))?;
+    }
+    let page = folder.join("index.html");
+    verbosity.say(page.display());
+    if args.open {
+        show::open(&page);
+    }
     let fault = drawn
         .cells()
         .any(|(_, cell)| cell.figures().iter().any(|(_, f)| f.fault(cell.bar)));

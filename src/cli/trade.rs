@@ -18,7 +18,8 @@ use rastray::trade::draw::Job;
 use rastray::trade::finding::{Trade, find};
 use rastray::trade::journal::{Found, Journal};
 use rastray::trade::run::{Options, Outcome, run};
-use rastray::trade::truth::{IDEAL_SAMPLES, Truth};
+use rastray::trade::timing::ROUNDS;
+use rastray::trade::truth::{End, IDEAL_SAMPLES, Truth};
 
 use super::args::SceneArgs;
 use super::extremes::extremes;
@@ -38,8 +39,10 @@ pub(super) const EXAMPLES: &str = "Examples:
   rastray trade 15-mirror --budget 2 --json
   rastray trade --extremes                    what holds at the ends of the numbers, as a page
 
-A run that is interrupted loses only the setting at hand: what is measured is kept in the folder's journal.jsonl,
-and the same command goes on from there. A changed scene, size or version starts again.";
+A run that is interrupted loses only the setting at hand: what is measured is kept in the folder's journal.jsonl, and the \
+same command goes on from there. A changed scene, size or version starts again.
+
+Exit codes: 0 done, 1 --extremes found a figure at fault, 2 error.";
 
 #[derive(Debug, Args)]
 pub(super) struct TradeArgs {
@@ -57,10 +60,15 @@ pub(super) struct TradeArgs {
     #[arg(long, value_name = "WxH")]
     pub(super) size: Option<String>,
     /// Seconds to spend; another run with the same scene goes on where this one ends
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 60.0,
+        allow_negative_numbers = true
+    )]
     pub(super) budget: f64,
     /// Instead of a scene: shipped scenes with every input at its extremes, f32 against f64, into extremes/
-    #[arg(long, conflicts_with_all = ["scene", "sets", "budget"])]
+    #[arg(long, conflicts_with_all = ["sets", "budget", "no_times", "verify", "ideal_samples"])]
     pub(super) extremes: bool,
     /// Samples of the ideal picture that samples are judged by
     #[arg(long, value_name = "N", default_value_t = IDEAL_SAMPLES, hide_short_help = true, help_heading = "Expert")]
@@ -74,7 +82,7 @@ pub(super) struct TradeArgs {
     /// Show the page with the system's viewer
     #[arg(long)]
     pub(super) open: bool,
-    /// Print trade.json
+    /// Print trade.json, or extremes.json
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -117,8 +125,7 @@ impl TradeArgs {
 /// Runs the command.
 pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
     if args.extremes {
-        let size = args.size.as_deref().map(parse_size).transpose()?;
-        return extremes(args.output.as_deref(), size, verbosity);
+        return extremes(args, verbosity);
     }
     let scene_args = args.scene()?;
     let options = args.options()?;
@@ -171,14 +178,16 @@ fn measured(
         bar.step(done as u64, name);
     };
     let outcome = run(scene, options, &mut journal, &step)?;
+    let truth = Truth::Full.draw(scene, options.isa)?;
+    let end = Truth::Full.end(scene, &truth, options.isa)?;
     let trade = find(
         scene,
         options.ideal_samples,
+        end,
         options.isa,
         &outcome,
         &journal,
     );
-    let truth = Truth::Full.draw(scene, options.isa)?;
     let answers = pictures(scene, &trade, &outcome, options.isa)?;
     drop(progress);
     let report = TradeReport {
@@ -187,7 +196,13 @@ fn measured(
         view: View::Linear,
         truth: to_f32(&truth.color),
         answers,
-        notes: imported.notes.iter().cloned().chain(found).collect(),
+        notes: imported
+            .notes
+            .iter()
+            .cloned()
+            .chain(found)
+            .chain(left_note(&trade.truth))
+            .collect(),
         settings: settings(scene, options, &outcome, truth.depth),
         trade,
     };
@@ -210,6 +225,23 @@ fn found_note(found: Found, folder: &Path) -> Option<Note> {
     Some(Note {
         place: None,
         message,
+    })
+}
+
+/// What the truth itself leaves out.
+fn left_note(end: &End) -> Option<Note> {
+    let left = end.weight_left?;
+    let weight = if left < 1.0 {
+        format!("the next would weigh up to {left:.1e}")
+    } else {
+        "surfaces pass on all light, so what is left then has no bound".to_owned()
+    };
+    Some(Note {
+        place: None,
+        message: format!(
+            "the truth follows {} generations of rays; {weight}, and smaller errors than that say little",
+            end.depth
+        ),
     })
 }
 
@@ -262,7 +294,7 @@ fn settings(
     let [asked, complete] = outcome.timed;
     let times = if options.times {
         format!(
-            "{} s; {asked} times asked in this run, {complete} of them from 31 rounds",
+            "{} s; times of {asked} settings; {complete} of them have all {ROUNDS} rounds yet",
             options.budget.as_secs_f64()
         )
     } else {
@@ -273,7 +305,9 @@ fn settings(
         ("budget", times),
         (
             "truth",
-            format!("exact shapes, f64, rays up to generation {depth}"),
+            format!(
+                "exact shapes, f64, rays of weight 10⁻⁷ and more, at most {depth} generations of them"
+            ),
         ),
         ("instruction set", options.isa.name().to_owned()),
     ];

@@ -1,6 +1,6 @@
 //! The extremes atlas as a page, a table and JSON: small pictures, each with what f32 is off by, and why where it is much.
 //!
-//! In: an [`Atlas`]. Out: `index.html`, which needs no other file, `atlas.csv` and `atlas.json`. The page says nothing that
+//! In: an [`Atlas`]. Out: `index.html`, which needs no other file, `extremes.csv` and `extremes.json`. The page says nothing that
 //! the numbers do not: what holds, what is ill-conditioned and what is a fault follows from each figure.
 
 use base64::Engine;
@@ -21,17 +21,25 @@ use crate::trade::extremes::{Atlas, BAR, BAR_HIGH_EXPONENT, Cell, Condition, Fig
 /// # Errors
 /// [`Error::Limit`] where JSON cannot hold it; what encoding a picture refuses.
 pub fn files(atlas: &Atlas, command: &str) -> Result<Vec<File>, Error> {
-    let json = serde_json::to_string_pretty(atlas)
-        .map_err(|e| Error::limit(format!("cannot write atlas.json: {e}")))?;
     let file = |name: &str, bytes: Vec<u8>| File {
         name: name.into(),
         bytes,
     };
     Ok(vec![
-        file("atlas.json", (json + "\n").into_bytes()),
-        file("atlas.csv", csv(atlas).into_bytes()),
+        file("extremes.json", json(atlas)?.into_bytes()),
+        file("extremes.csv", csv(atlas).into_bytes()),
         file("index.html", page(atlas, command)?.into_bytes()),
     ])
+}
+
+/// Every number, indented.
+///
+/// # Errors
+/// [`Error::Limit`] where JSON cannot hold it.
+pub fn json(atlas: &Atlas) -> Result<String, Error> {
+    let json = serde_json::to_string_pretty(atlas)
+        .map_err(|e| Error::limit(format!("cannot write extremes.json: {e}")))?;
+    Ok(json + "\n")
 }
 
 /// One line a figure.
@@ -125,13 +133,28 @@ pub fn page(atlas: &Atlas, command: &str) -> Result<String, Error> {
                 }
                 footer {
                     p { "Made by rastray " (env!("CARGO_PKG_VERSION")) " with " code { (command) } ". Every number is in "
-                        a href="atlas.csv" { "atlas.csv" } " and " a href="atlas.json" { "atlas.json" }
+                        a href="extremes.csv" { "extremes.csv" } " and " a href="extremes.json" { "extremes.json" }
                         ". Type: Inter, SIL Open Font License 1.1." }
                 }
             }
         }
     };
     Ok(page.into_string())
+}
+
+/// The result in a sentence: "221 of 232 figures agree within the bar; 11 are of ill-conditioned scenes; none at fault."
+pub fn summary(atlas: &Atlas) -> String {
+    let all = Tally::of(atlas.cells().map(|(_, cell)| cell));
+    let faults = match all.fault {
+        0 => "none at fault".to_owned(),
+        n => format!("{} at fault", count(n)),
+    };
+    format!(
+        "{} of {} figures agree within the bar; {} are of ill-conditioned scenes; {faults}.",
+        count(all.hold),
+        count(all.hold + all.ill + all.fault),
+        count(all.ill),
+    )
 }
 
 fn verdict(atlas: &Atlas) -> String {
@@ -340,6 +363,11 @@ mod tests {
     fn the_page_says_what_holds_and_what_is_ill_conditioned() {
         let held = page(&atlas(figure(1e-7, None)), "rastray trade --extremes").unwrap();
         assert!(held.contains("Of 2 figures 2 agree"));
+        assert!(held.contains("extremes.csv") && held.contains("extremes.json"));
+        assert_eq!(
+            summary(&atlas(figure(1e-7, None))),
+            "2 of 2 figures agree within the bar; 0 are of ill-conditioned scenes; none at fault."
+        );
         assert!(!held.contains("class=\"why\"") && !held.contains("class=\"fault\""));
         let condition = Condition {
             input: "lights",
@@ -351,6 +379,7 @@ mod tests {
         assert!(ill.contains("ill-conditioned in lights") && ill.contains("4,190,000"));
         let mut wrong = figure(0.2, Some(condition));
         wrong.wrong = 3;
+        assert!(summary(&atlas(wrong.clone())).ends_with("; 1 at fault."));
         let fault = page(&atlas(wrong), "x").unwrap();
         assert!(fault.contains("3 wrong decisions") && fault.contains("are at fault"));
         assert!(!fault.contains("src=\"http"));

@@ -38,7 +38,7 @@ impl Checked<'_> {
         let right = shown(&self.report.right)?;
         let off = self.difference(&self.report.right);
         let off_note = format!("rmse {}", value(self.report.error));
-        let right_note = format!("{}: what the scene gives", self.report.mode.name());
+        let right_note = format!("what the scene gives: {}", self.report.mode.describe());
         let given = panel(&given, "given", "the picture that is checked");
         let right = panel(&right, "right", &right_note);
         let off = panel(&off, "given − right", &off_note);

@@ -121,6 +121,17 @@ pub fn choose(
     }
 }
 
+/// An error as it is typed: small ones with a power of ten.
+fn typed(error: f64) -> String {
+    if error == 1.0 / 255.0 {
+        "1/255".to_owned()
+    } else if error < 1e-3 {
+        format!("{error:e}")
+    } else {
+        error.to_string()
+    }
+}
+
 /// The scene with at most so many pixels, of the same shape.
 pub fn shrunk(scene: &Scene, pixels: f64) -> Scene {
     let mut small = scene.clone();
@@ -251,7 +262,8 @@ impl Trial<'_> {
         // Rounded up, so that asking for it works.
         let reachable = format!("{:.1e}", 1.1 * best.error);
         let message = format!(
-            "{most}: out of reach on this scene; the least error of {} settings is {:.2e}, with {}",
+            "{}: out of reach on this scene; the least error of {} settings is {:.2e}, with {}",
+            typed(most),
             self.tried,
             best.error,
             best.setting.arguments(self.full)
@@ -341,6 +353,12 @@ mod tests {
         assert!((carried(&accuracy, 1.0) - 0.2 * 0.1f64.sqrt()).abs() < 1e-12);
         assert!((carried(&accuracy, 10.0) - 0.2 * 0.01f64.sqrt()).abs() < 1e-12);
         assert_eq!(carried(&Accuracy::default(), 3.0), 0.0);
+    }
+
+    #[test]
+    fn errors_are_echoed_as_typed() {
+        let echoed = [1e-12, 0.05, 1.0 / 255.0].map(typed);
+        assert_eq!(echoed, ["1e-12", "0.05", "1/255"]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::power::{PowerError, errors, exponents};
 use super::run::{Outcome, on_front};
 use super::setting::{Renderer, Setting};
 use super::timing::Ratio;
-use super::truth::Truth;
+use super::truth::{End, Truth};
 use crate::lanes::Isa;
 use crate::scene::Scene;
 
@@ -29,6 +29,8 @@ pub struct Trade {
     pub size: [u32; 2],
     /// Samples of the ideal picture.
     pub ideal_samples: u32,
+    /// Where the full truth stopped following rays.
+    pub truth: End,
     /// Instruction set.
     pub isa: &'static str,
     /// Settings there are, and those that are measured.
@@ -152,6 +154,7 @@ pub struct Answer {
 pub fn find(
     scene: &Scene,
     ideal_samples: u32,
+    truth: End,
     isa: Isa,
     outcome: &Outcome,
     journal: &Journal,
@@ -173,6 +176,7 @@ pub fn find(
         scene: scene.name.clone(),
         size: [scene.image.width, scene.image.height],
         ideal_samples,
+        truth,
         isa: isa.name(),
         settings: outcome.tasks.len(),
         measured: outcome.measured,

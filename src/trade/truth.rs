@@ -8,8 +8,12 @@
 //! | [`Truth::Ideal`] | Whitted's | many jittered samples | samples: what is wrong with its edges |
 //! | [`Truth::Own`] | Whitted's | the scene's own samples | the setting that `render --error` picks |
 //!
-//! Secondary rays go on until their weight is below [`LEAST_WEIGHT`] in every channel.
+//! Secondary rays go on until their weight is below [`LEAST_WEIGHT`] in every channel, for at most [`MOST_DEPTH`] generations:
+//! enough for mirrors of weight 0.88; with brighter ones [`Truth::end`] tells what weight may be left there.
 
+use serde::Serialize;
+
+use super::axis::bounce_weight;
 use super::draw::{Drawn, Job};
 use super::setting::{Precision, Renderer, Setting, is_curved};
 use crate::error::Error;
@@ -23,7 +27,7 @@ use crate::trace;
 pub const LEAST_WEIGHT: f64 = 1e-7;
 
 /// Generations that are followed at most: a mirror of weight 0.88 is below [`LEAST_WEIGHT`] by then.
-const MOST_DEPTH: u32 = 128;
+pub const MOST_DEPTH: u32 = 128;
 
 /// What the seed of the scene's jitter is changed by for the ideal picture.
 const IDEAL_SEED: u32 = 0x1dea_1000;
@@ -57,6 +61,18 @@ pub struct Reference {
     pub curved: Plane<bool>,
     /// Generations of secondary rays that were followed.
     pub depth: u32,
+    /// Rays of all kinds.
+    pub rays: u64,
+}
+
+/// Where a truth stopped following rays.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct End {
+    /// Generations of secondary rays that were allowed.
+    pub depth: u32,
+    /// Where rays were left that weigh [`LEAST_WEIGHT`] or more: the most that the next generation of a pixel can weigh (1
+    /// where surfaces pass on all light). `None` where every ray was followed to its end.
+    pub weight_left: Option<f64>,
 }
 
 impl Truth {
@@ -76,6 +92,37 @@ impl Truth {
     /// # Errors
     /// What the renderers refuse.
     pub fn draw(self, scene: &Scene, isa: Isa) -> Result<Reference, Error> {
+        let (scene, setting) = self.posed(scene);
+        deepest(&scene, setting, isa)
+    }
+
+    /// Where a truth that was drawn stopped: whether one more generation would have had rays.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn end(self, scene: &Scene, drawn: &Reference, isa: Isa) -> Result<End, Error> {
+        let depth = drawn.depth;
+        let left = bounce_weight(scene).map_or(0.0, |k| k.powf(f64::from(depth) + 1.0).min(1.0));
+        if left < LEAST_WEIGHT {
+            let weight_left = None;
+            return Ok(End { depth, weight_left });
+        }
+        let (scene, setting) = self.posed(scene);
+        let deeper = Setting {
+            depth: depth + 1,
+            ..setting
+        };
+        let more = match Job::new(&scene, &deeper, isa).draw() {
+            Ok(further) => further.counts.rays() > drawn.rays,
+            Err(Error::Limit { .. }) => true,
+            Err(error) => return Err(error),
+        };
+        let weight_left = more.then_some(left);
+        Ok(End { depth, weight_left })
+    }
+
+    /// The scene, and the setting that draws the truth of it.
+    fn posed(self, scene: &Scene) -> (Scene, Setting) {
         let mut scene = scene.clone();
         scene.trace.weight_cutoff = LEAST_WEIGHT;
         let renderer = match self {
@@ -99,7 +146,7 @@ impl Truth {
         if self == Self::Own {
             (setting.samples, setting.pattern) = (scene.image.samples, scene.image.pattern);
         }
-        deepest(&scene, setting, isa)
+        (scene, setting)
     }
 }
 
@@ -107,13 +154,18 @@ impl Truth {
 fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, Error> {
     loop {
         match Job::new(scene, &setting, isa).draw() {
-            Ok(Drawn { color, object, .. }) => {
+            Ok(Drawn {
+                color,
+                object,
+                counts,
+            }) => {
                 let curved = |o: &u32| scene.objects.get(*o as usize).is_some_and(is_curved);
                 return Ok(Reference {
                     color,
                     curved: object.map(curved),
                     object,
                     depth: setting.depth,
+                    rays: counts.rays(),
                 });
             }
             Err(Error::Limit { .. }) if setting.depth > 8 => setting.depth /= 2,

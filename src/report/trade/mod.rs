@@ -84,24 +84,30 @@ impl TradeReport {
     pub fn to_text(&self) -> String {
         let trade = &self.trade;
         let mut text = String::new();
+        if trade.measured < trade.settings {
+            text += &format!(
+                "{} of {} settings are measured so far; the same command goes on.\n\n",
+                trade.measured, trade.settings
+            );
+        }
+        let [width, height] = trade.size;
         for answer in &trade.answers {
-            text += &format!("error below {}\n", words::target(answer.target));
-            text += &format!("  {}\n", words::answer(answer, &trade.rows));
+            let target = words::target(answer.target);
+            text += &format!("error below {target}, judged at {width} x {height}\n");
+            text += &format!("  {}\n", words::answer(answer, trade));
             if let Some(command) = self.command_of(answer.row) {
                 text += &format!("  {command}\n");
             }
         }
+        text += &format!(
+            "\n`rastray render {} --error 1/255` judges for the picture's own size.\n",
+            self.scene_arguments
+        );
         for axis in &trade.axes {
             text += &format!("\n{} ({})\n", axis.name, words::judged(axis));
             for sentence in words::sentences(axis) {
                 text += &format!("  {sentence}\n");
             }
-        }
-        if trade.measured < trade.settings {
-            text += &format!(
-                "\n{} of {} settings are measured: the same command goes on.\n",
-                trade.measured, trade.settings
-            );
         }
         text
     }

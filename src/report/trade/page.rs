@@ -3,8 +3,8 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::words::{
-    answer, band, capital, judged, minus, number_cell, sentences, short, target, time, times,
-    verdict,
+    answer, band, capital, followed, judged, minus, number_cell, sentences, short, target, time,
+    times, verdict,
 };
 use super::{TradeReport, charts, plot};
 use crate::error::Error;
@@ -73,9 +73,9 @@ impl TradeReport {
                     h3 { "Error below " (name) span { (meaning(a.target)) } }
                     @if let Some(plane) = picture {
                         (linear_image(plane, self.view, &format!("The scene with an error below {name}"))?)
-                    } @else { div.nothing { "out of reach" } }
+                    } @else { div.nothing { (if trade.measured < trade.settings { "not reached yet" } else { "out of reach" }) } }
                     @if let Some(command) = self.command_of(a.row) { pre { code { (command) } } }
-                    p { (answer(a, &trade.rows)) }
+                    p { (answer(a, trade)) }
                 }
             });
         }
@@ -83,8 +83,9 @@ impl TradeReport {
             section {
                 h2 { "What to type" }
                 p {
-                    "The cheapest setting whose picture is that close to the truth: exact shapes, lit at every pixel, shadows "
-                    "and all rays followed to the end, in f64. The error is the root of the mean square over all pixels, on linear values "
+                    "The cheapest setting whose picture is that close to the truth: exact shapes, lit at every pixel, with "
+                    "shadows, all rays " (followed(&trade.truth)) ", in f64. The error is the root of the mean "
+                    "square over all pixels, on linear values "
                     "before any clamp, at pixel centres; FLIP is the difference as an eye sees it, from 0 to 1."
                 }
                 div.grid.answers {
@@ -264,7 +265,7 @@ impl TradeReport {
                     dt { "ideal picture" }
                     dd { (trade.ideal_samples) " jittered samples a pixel: what the samples are judged by." }
                     dt { "FLIP" }
-                    dd { "Mean difference as seen at 67 pixels a degree, of the 8-bit pictures; 0 = none, 1 = black against white." }
+                    dd { "Mean difference as seen at 67 pixels a degree, of the 8-bit pictures; 0 = nothing to see, 1 = green against blue." }
                 }
                 @if !self.notes.is_empty() {
                     h2 { "Notes" }
@@ -287,7 +288,7 @@ fn verdict_of(curve: &Curve) -> &'static str {
 /// What an error means to the eye.
 fn meaning(error: f64) -> &'static str {
     match error {
-        e if e >= 1.0 / 255.0 => "a step of an 8-bit display: hard to see",
+        e if e >= 1.0 / 255.0 => "on average a step of an 8-bit display: hard to see",
         e if e >= 1e-3 => "a quarter of a step: not to be seen",
         _ => "next to what f32 can hold",
     }

@@ -2,12 +2,18 @@
 
 use crate::report::numbers::{count, value};
 use crate::trade::axis::{Law, Part};
-use crate::trade::finding::{Answer, AxisFinding, Curve, Point, Row, Time, Trade};
+use crate::trade::finding::{Answer, AxisFinding, Curve, Point, Time, Trade};
+use crate::trade::truth::{End, LEAST_WEIGHT};
 
 /// A setting's name without what every setting of its kind says.
 pub(super) fn short(setting: &str) -> String {
     let text = setting.replace(" snap 8", "").replace("raster ", "");
     text.replace("trace depth ", "trace ")
+}
+
+/// The same with room to spare.
+fn spelled(setting: &str) -> String {
+    short(&setting.replace("trace depth ", "trace, depth "))
 }
 
 /// The result in one or two sentences.
@@ -34,7 +40,7 @@ pub(super) fn verdict(trade: &Trade) -> String {
     format!(
         "The cheapest setting with an error below {} is {}: rmse {}, {} of the work of the dearest setting that was tried.",
         target(answer.target),
-        short(&row.setting),
+        spelled(&row.setting),
         value(error),
         share(row.work / dearest),
     )
@@ -231,22 +237,49 @@ pub(super) fn judged(axis: &AxisFinding) -> String {
 }
 
 /// An answer in a sentence, before the command.
-pub(super) fn answer(answer: &Answer, rows: &[Row]) -> String {
-    match answer.row.and_then(|i| rows.get(i)) {
+pub(super) fn answer(answer: &Answer, trade: &Trade) -> String {
+    match answer.row.and_then(|i| trade.rows.get(i)) {
         Some(row) => {
             let accuracy = row.full.unwrap_or_default();
             format!(
                 "{}: rmse {}, largest error {}, FLIP {}",
-                short(&row.setting),
+                spelled(&row.setting),
                 value(accuracy.all.rmse),
                 value(accuracy.all.max),
                 value(accuracy.flip)
             )
         }
+        None if trade.measured < trade.settings => format!(
+            "Not reached by the {} of {} settings measured so far (best: {}); the same command goes on.",
+            trade.measured,
+            trade.settings,
+            value(answer.least)
+        ),
         None => format!(
             "Out of reach: the best setting is off by {}.",
             value(answer.least)
         ),
+    }
+}
+
+/// How far the truth follows rays.
+pub(super) fn followed(end: &End) -> String {
+    let Some(left) = end.weight_left else {
+        return format!(
+            "followed until their weight is below {}",
+            target(LEAST_WEIGHT)
+        );
+    };
+    let depth = end.depth;
+    if left < 1.0 {
+        format!(
+            "followed for {depth} generations (the next would weigh up to {})",
+            value(left)
+        )
+    } else {
+        format!(
+            "followed for {depth} generations (surfaces pass on all light, so what is left then has no bound)"
+        )
     }
 }
 
@@ -298,6 +331,23 @@ mod tests {
         assert_eq!(band(0.85, 1.15), "−1");
         assert_eq!(band(0.65, 0.85), "−0.75");
         assert_eq!(short("raster gouraud 64 snap 8"), "gouraud 64");
+        assert_eq!(
+            ["trace depth 3 f64", "trace f64"].map(spelled),
+            ["trace, depth 3 f64", "trace f64"]
+        );
+    }
+
+    #[test]
+    fn what_the_truth_leaves_out_is_said() {
+        let said = |weight_left| {
+            followed(&End {
+                depth: 128,
+                weight_left,
+            })
+        };
+        assert_eq!(said(None), "followed until their weight is below 10⁻⁷");
+        assert!(said(Some(2e-5)).contains("128 generations (the next would weigh up to 2"));
+        assert!(said(Some(1.0)).contains("no bound"));
     }
 
     #[test]
