@@ -570,7 +570,7 @@ mod tests {
         let error = Diff::new(pgm("a.pgm", |_| 0), small, options, String::new()).unwrap_err();
         let text = error.to_string();
         assert!(
-            text.contains("small.ppm: is 2 x 1 pixels") && text.contains("a.pgm is 16 x 12"),
+            text.contains("small.ppm is 2 x 1 pixels, but a.pgm is 16 x 12"),
             "{text}"
         );
     }
