@@ -9,7 +9,6 @@ use rastray::error::Error;
 use rastray::import::picture;
 use rastray::report::diff::{Diff, DiffSummary, Options, Which};
 use rastray::report::files;
-use rastray::report::numbers::value;
 use rastray_compare::DEFAULT_PPD;
 
 use super::args::FollowArgs;
@@ -166,7 +165,8 @@ fn exceeded(args: &DiffArgs, summary: &DiffSummary) -> Vec<String> {
     let mut lines = Vec::new();
     let mut above = |flag: &str, what: &str, found: f64, asked: Option<f64>| {
         if let Some(asked) = asked.filter(|asked| found > *asked) {
-            lines.push(format!("over {flag} {asked}: {what} is {}", value(found)));
+            // All digits, for thresholds that are nearly met.
+            lines.push(format!("over {flag} {asked}: {what} is {found}"));
         }
     };
     above("--max-error", "the largest error", m.max, args.max_error);
@@ -182,7 +182,7 @@ fn exceeded(args: &DiffArgs, summary: &DiffSummary) -> Vec<String> {
         .zip(m.psnr)
         .filter(|(asked, found)| found < asked)
     {
-        lines.push(format!("below --min-psnr {asked}: PSNR is {found:.2} dB"));
+        lines.push(format!("below --min-psnr {asked}: PSNR is {found} dB"));
     }
     lines
 }
