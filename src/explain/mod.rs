@@ -163,7 +163,7 @@ impl Explainer<'_> {
     }
 
     /// Explains what a ray of the caller's brings back: world space, a direction of any length but zero. It is seen along
-    /// itself, starts in air and knows no near and far plane.
+    /// itself, starts in the media around its origin, and knows no near and far plane.
     ///
     /// # Errors
     /// [`Error::Parameter`] for numbers that make no ray, and what the tracer refuses.
