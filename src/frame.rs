@@ -214,17 +214,24 @@ impl<R: Real> Layers<R> {
 
     /// The layers as files hold them.
     pub fn to_f32(&self) -> Layers<f32> {
-        let stored = |planes: &[Plane<[R; 3]>]| {
+        self.convert(Real::to_f32)
+    }
+
+    /// The layers in f64, exact.
+    pub fn to_f64(&self) -> Layers<f64> {
+        self.convert(Real::to_f64)
+    }
+
+    fn convert<T>(&self, number: impl Fn(R) -> T) -> Layers<T> {
+        let convert = |planes: &[Plane<[R; 3]>]| {
             let planes = planes.iter();
-            planes
-                .map(|plane| plane.map(|c| c.map(Real::to_f32)))
-                .collect()
+            planes.map(|plane| plane.map(|c| c.map(&number))).collect()
         };
         Layers {
             names: self.names.clone(),
-            planes: stored(&self.planes),
+            planes: convert(&self.planes),
             signed: self.signed,
-            splits: stored(&self.splits),
+            splits: convert(&self.splits),
         }
     }
 

@@ -18,6 +18,7 @@ pub mod math;
 #[cfg(feature = "opengl")]
 pub mod peers;
 pub mod raster;
+pub mod render;
 pub mod report;
 pub mod sampling;
 pub mod scene;

@@ -19,14 +19,15 @@ const LAYERS: &[(&str, u32)] = &[
     ("lighting", 4),
     ("raster", 5),
     ("trace", 5),
-    ("decompose", 6),
-    ("context", 6),
-    ("peers", 6),
-    ("explain", 7),
-    ("trade", 7),
-    ("check", 8),
-    ("report", 9),
-    ("cli", 10),
+    ("render", 6),
+    ("decompose", 7),
+    ("context", 7),
+    ("peers", 7),
+    ("explain", 8),
+    ("trade", 8),
+    ("check", 9),
+    ("report", 10),
+    ("cli", 11),
 ];
 
 /// Modules of one layer that may use each other (the foundation knows one another; siblings above do not).
@@ -139,6 +140,45 @@ fn arrows_go_up_only() {
     assert!(
         wrong.is_empty(),
         "arrows against the table of layers:\n{}",
+        wrong.join("\n")
+    );
+}
+
+/// Above `render` everything is plain: no module there is generic over the precision, so that renderers compile once.
+#[test]
+fn precision_ends_at_render() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let layers: BTreeMap<&str, u32> = LAYERS.iter().copied().collect();
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let above =
+        |file: &&PathBuf| layers.get(module_of(&src, file).as_str()) > Some(&layers["render"]);
+    let mut wrong = Vec::new();
+    let mut seen = 0;
+    for file in files.iter().filter(above) {
+        let text = std::fs::read_to_string(file).expect("a readable source");
+        seen += 1;
+        let code = without_comments(&text);
+        if [
+            "R: Real",
+            "lanes::Real",
+            "raster::Plan",
+            "trace::Plan",
+            "Assembly<",
+        ]
+        .iter()
+        .any(|name| code.contains(name))
+        {
+            wrong.push(file.display().to_string());
+        }
+    }
+    assert!(
+        seen > 100,
+        "only {seen} files above render: the scan is broken"
+    );
+    assert!(
+        wrong.is_empty(),
+        "generic above render:\n{}",
         wrong.join("\n")
     );
 }

@@ -50,7 +50,7 @@ impl Change {
             raster: raster::Faults::default(),
             triangles: Triangles::default(),
             clamp,
-            shadows: options.shadows && mode == Mode::Trace,
+            shadows: options.render.shadows && mode == Mode::Trace,
             finish: Finish::Right,
             turn: None,
             finished: false,

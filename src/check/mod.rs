@@ -42,9 +42,8 @@ use crate::error::Error;
 use crate::frame::Plane;
 use crate::gl::ShadeModel;
 use crate::import::picture::{PictureFile, PictureFormat};
-use crate::lanes::{Isa, Real};
+use crate::render::{self, Renderer};
 use crate::scene::Scene;
-use crate::scene::requirements::Model;
 use judge::{Candidate, Right, judge};
 use measure::{Stored, rmse};
 use stage::{Made, Setup};
@@ -102,6 +101,15 @@ impl Mode {
         }
     }
 
+    /// Who draws it.
+    pub fn renderer(self) -> Renderer {
+        match self {
+            Self::Gouraud | Self::Flat | Self::Phong => Renderer::Raster,
+            Self::Cast => Renderer::Cast,
+            Self::Trace => Renderer::Trace,
+        }
+    }
+
     /// The rasterizer's shading; `None` for rays.
     pub fn shading(self) -> Option<ShadeModel> {
         match self {
@@ -139,18 +147,8 @@ impl From<PictureFile> for Given {
 pub struct Options {
     /// What the picture may be meant to be; at least one.
     pub modes: Vec<Mode>,
-    /// Tessellation level; `None` = the default.
-    pub level: Option<u32>,
-    /// Instruction set of the lanes.
-    pub isa: Isa,
-    /// Only what the scene requires, or everything: the same bytes.
-    pub model: Model,
-    /// Whether the tracer casts shadow rays at all.
-    pub shadows: bool,
-    /// Whether it casts mirror rays.
-    pub reflection: bool,
-    /// Whether it casts transmitted rays.
-    pub refraction: bool,
+    /// How its scene is rendered.
+    pub render: render::Options,
     /// The file is meant to hold sRGB values.
     pub srgb: bool,
 }
@@ -189,39 +187,35 @@ pub struct Report {
     pub mistaken: Option<Plane<[f32; 3]>>,
 }
 
-/// Holds a picture against a scene in the precision `R`. `progress` hears how many steps are done, of how many, and the name
+/// Holds a picture against a scene. `progress` hears how many steps are done, of how many, and the name
 /// of the next one. The size of the picture must be that of `scene.image`.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a picture of another size, without modes, or with values that are not finite; what the renderers
 /// refuse.
-pub fn check<R: Real>(
+pub fn check(
     scene: &Scene,
     given: &Given,
     options: &Options,
     progress: &(dyn Fn(u64, u64, &str) + Sync),
 ) -> Result<Report, Error> {
     refuse(scene, given, options)?;
-    let mut report = held_against::<R>(scene, given, options, progress)?;
+    let mut report = held_against(scene, given, options, progress)?;
     if report.verdict != Verdict::Right {
-        report.right_as = right_as::<R>(scene, given, options)?;
+        report.right_as = right_as(scene, given, options)?;
     }
     Ok(report)
 }
 
 /// The mode that was not asked for, as which the picture is right: the nearest, held against its mistakes like the others.
-fn right_as<R: Real>(
-    scene: &Scene,
-    given: &Given,
-    options: &Options,
-) -> Result<Option<Mode>, Error> {
+fn right_as(scene: &Scene, given: &Given, options: &Options) -> Result<Option<Mode>, Error> {
     let mut others = Mode::ALL.to_vec();
     others.retain(|mode| !options.modes.contains(mode));
     if others.is_empty() {
         return Ok(None);
     }
     let stored = Stored::of(given, options.srgb);
-    let setup = Setup::<R>::new(scene, options, stored, 1)?;
+    let setup = Setup::new(scene, options, stored, 1)?;
     let near = setup.with_stage(|stage| {
         let mut near: Vec<Right> = Vec::new();
         for mode in others {
@@ -240,12 +234,12 @@ fn right_as<R: Real>(
         modes: vec![mode],
         ..options.clone()
     };
-    let report = held_against::<R>(scene, given, &options, &|_, _, _| {})?;
+    let report = held_against(scene, given, &options, &|_, _, _| {})?;
     Ok((report.verdict == Verdict::Right).then_some(mode))
 }
 
 /// [`check`], in the modes that were asked for.
-fn held_against<R: Real>(
+fn held_against(
     scene: &Scene,
     given: &Given,
     options: &Options,
@@ -255,7 +249,7 @@ fn held_against<R: Real>(
     let pixels = given.color.data.len();
     let step = measure::odd_step(pixels, FIRST_PASS);
     let steps = (options.modes.len() * (1 + all().len()) + FINALISTS) as u64;
-    let setup = Setup::<R>::new(scene, options, stored, step)?;
+    let setup = Setup::new(scene, options, stored, step)?;
     let mut held = Held::default();
     setup.with_stage(|stage| {
         let small = measure::every(&given.color, step);
@@ -270,7 +264,7 @@ fn held_against<R: Real>(
     let (shown, unshown) = (held.shown.clone(), held.unshown.clone());
     if step > 1 {
         progress(steps - FINALISTS as u64, steps, "in full");
-        let finals = Setup::<R>::new(scene, options, stored, 1)?;
+        let finals = Setup::new(scene, options, stored, 1)?;
         held = finals.with_stage(|stage| held.in_full(stage, &given.color, &stored))?;
     }
     let judged = judge(
@@ -331,9 +325,9 @@ struct Held {
 impl Held {
     /// One mode: its right picture, and that of every mistake in it.
     #[expect(clippy::too_many_arguments, reason = "one call, from one place")]
-    fn hold<R: Real>(
+    fn hold(
         &mut self,
-        stage: &stage::Stage<'_, R>,
+        stage: &stage::Stage<'_>,
         mode: Mode,
         small: &Plane<[f32; 3]>,
         whole: &Plane<[f32; 3]>,
@@ -387,9 +381,9 @@ impl Held {
     }
 
     /// Improves the amount of a mistake that has one, where it is among the best.
-    fn fit_amounts<R: Real>(
+    fn fit_amounts(
         &mut self,
-        stage: &stage::Stage<'_, R>,
+        stage: &stage::Stage<'_>,
         small: &Plane<[f32; 3]>,
     ) -> Result<(), Error> {
         self.sort();
@@ -431,9 +425,9 @@ impl Held {
     }
 
     /// The best of them again, at the picture's own size.
-    fn in_full<R: Real>(
+    fn in_full(
         mut self,
-        stage: &stage::Stage<'_, R>,
+        stage: &stage::Stage<'_>,
         given: &Plane<[f32; 3]>,
         stored: &Stored,
     ) -> Result<Self, Error> {

@@ -9,27 +9,25 @@ use super::measure::{Stored, Turn, Values};
 use super::mistakes::Mistake;
 use super::{Mode, Options};
 use crate::error::Error;
-use crate::frame::Frame;
-use crate::lanes::Real;
 use crate::math::float::normalize;
 use crate::math::transform::model_matrix_normal;
 use crate::math::{DMat3, DVec3};
+use crate::render::{Assembled, Picture, Rasterizer, Renderer, Tracer};
 use crate::scene::Scene;
-use crate::scene::assembly::Assembly;
-use crate::{raster, trace};
+use crate::trace;
 
 /// What a stage stands on.
-pub(super) struct Setup<'a, R> {
+pub(super) struct Setup<'a> {
     whole: &'a Scene,
     /// The scene as it is rendered: every `step`-th pixel.
     scene: Scene,
     step: u32,
-    assembly: Assembly<R>,
+    assembled: Assembled,
     options: &'a Options,
     stored: Stored,
 }
 
-impl<'a, R: Real> Setup<'a, R> {
+impl<'a> Setup<'a> {
     /// Assembles the scene's triangles, for pictures of every `step`-th pixel.
     pub(super) fn new(
         whole: &'a Scene,
@@ -39,13 +37,13 @@ impl<'a, R: Real> Setup<'a, R> {
     ) -> Result<Self, Error> {
         let step = step as u32;
         let scene = smaller(whole, step);
-        let assembly = Assembly::new(&scene, options.level)?;
-        assembly.check_range(&scene)?;
+        let asked = &options.render;
+        let assembled = Assembled::new(&scene, asked.level, asked.precision)?;
         Ok(Self {
             whole,
             scene,
             step,
-            assembly,
+            assembled,
             options,
             stored,
         })
@@ -54,13 +52,13 @@ impl<'a, R: Real> Setup<'a, R> {
     /// Sets up both renderers and works with them.
     pub(super) fn with_stage<T>(
         &self,
-        work: impl FnOnce(&Stage<'_, R>) -> Result<T, Error>,
+        work: impl FnOnce(&Stage<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let (scene, model) = (&self.scene, self.options.model);
+        let (scene, asked) = (&self.scene, &self.options.render);
         work(&Stage {
             setup: self,
-            raster: raster::Plan::new(scene, &self.assembly, model),
-            trace: trace::Plan::new(scene, &self.assembly, trace::Geometry::Exact, model)?,
+            raster: Rasterizer::new(scene, &self.assembled, asked.model),
+            trace: Tracer::new(scene, &self.assembled, asked.geometry, asked.model)?,
         })
     }
 }
@@ -73,13 +71,13 @@ pub(super) struct Made {
 }
 
 /// Both renderers, ready to draw the scene.
-pub(super) struct Stage<'a, R> {
-    setup: &'a Setup<'a, R>,
-    raster: raster::Plan<'a, R>,
-    trace: trace::Plan<'a, R>,
+pub(super) struct Stage<'a> {
+    setup: &'a Setup<'a>,
+    raster: Rasterizer<'a>,
+    trace: Tracer<'a>,
 }
 
-impl<R: Real> Stage<'_, R> {
+impl Stage<'_> {
     /// The scene at the picture's own size.
     pub(super) fn scene(&self) -> &Scene {
         self.setup.whole
@@ -142,107 +140,91 @@ impl<R: Real> Stage<'_, R> {
             && change.triangles == Triangles::Right
             && model.0.normalize == model.1.normalize
             && model.0.rescale_normal == model.1.rescale_normal;
-        let assembly = if kept {
-            Cow::Borrowed(&self.setup.assembly)
+        let assembled = if kept {
+            Cow::Borrowed(&self.setup.assembled)
         } else {
-            let mut assembly = Assembly::new(&scene, self.setup.options.level)?;
-            change.triangles.put(&scene, &mut assembly);
-            Cow::Owned(assembly)
+            let asked = &self.setup.options.render;
+            let assembled = Assembled::unchecked(&scene, asked.level, asked.precision)?;
+            Cow::Owned(change.triangles.put(&scene, assembled))
         };
-        let frame = match change.mode.shading() {
-            Some(shading) => self.rasterize(change, &scene, &assembly, shading)?,
-            None => self.trace(change, &scene, &assembly, kept)?,
+        let picture = match change.mode.shading() {
+            Some(shading) => self.rasterize(change, &scene, &assembled, shading)?,
+            None => self.trace(change, &scene, &assembled, kept)?,
         };
-        Ok(frame.color_f32())
+        Ok(picture.color_f32())
     }
 
     fn rasterize(
         &self,
         change: &Change,
         scene: &Scene,
-        assembly: &Assembly<R>,
+        assembled: &Assembled,
         shading: crate::gl::ShadeModel,
-    ) -> Result<Frame<R>, Error> {
-        let base = &self.setup.scene;
+    ) -> Result<Picture, Error> {
+        let (base, asked) = (&self.setup.scene, &self.setup.options.render);
         let same_view = scene.camera == base.camera && scene.raster == base.raster;
         let plan = if same_view {
-            self.raster.relit(scene, assembly)
+            self.raster.relit(scene, assembled)
         } else {
-            raster::Plan::new(scene, assembly, self.setup.options.model)
+            Rasterizer::new(scene, assembled, asked.model)
         };
-        let options = raster::Options {
-            shading,
-            clamp: change.clamp,
-            layers: false,
-            isa: self.setup.options.isa,
-        };
-        Ok(plan.with_faults(change.raster).draw(&options)?.0)
+        let options = asked.raster(shading, change.clamp, false);
+        Ok(plan.with_faults(change.raster).draw(&options)?.picture)
     }
 
     fn trace(
         &self,
         change: &Change,
         scene: &Scene,
-        assembly: &Assembly<R>,
+        assembled: &Assembled,
         kept: bool,
-    ) -> Result<Frame<R>, Error> {
-        let asked = self.setup.options;
+    ) -> Result<Picture, Error> {
+        let asked = &self.setup.options.render;
         let plan = if kept && scene.raster.front_face == self.setup.scene.raster.front_face {
             self.trace.relit(scene)
         } else {
-            trace::Plan::new(scene, assembly, trace::Geometry::Exact, asked.model)?
+            Tracer::new(scene, assembled, asked.geometry, asked.model)?
         };
-        let options = if change.mode == Mode::Cast {
-            trace::Options::cast(asked.isa)
-        } else {
-            trace::Options {
+        let options = match change.mode.renderer() {
+            Renderer::Trace => trace::Options {
                 shadows: change.shadows,
-                reflection: asked.reflection,
-                refraction: asked.refraction,
-                ..trace::Options::of(scene, asked.isa)
-            }
+                ..asked.trace(scene)
+            },
+            Renderer::Raster | Renderer::Cast => asked.cast(),
         };
-        Ok(plan.with_faults(change.trace).draw(&options)?.0)
+        Ok(plan.with_faults(change.trace).draw(&options)?.picture)
     }
 }
 
 impl Triangles {
     /// Puts the mistake into the triangles.
-    fn put<R: Real>(self, scene: &Scene, assembly: &mut Assembly<R>) {
+    fn put(self, scene: &Scene, assembled: Assembled) -> Assembled {
         match self {
-            Self::Right => {}
-            Self::FirstProvokes => {
-                for corners in &mut assembly.triangles {
-                    corners.rotate_left(1);
-                }
-            }
-            Self::NormalsByModelMatrix => bend_normals(scene, assembly),
+            Self::Right => assembled,
+            Self::FirstProvokes => assembled.with_turned_corners(),
+            Self::NormalsByModelMatrix => with_bent_normals(scene, assembled),
         }
     }
 }
 
 /// Gives every vertex the normal that its object's model matrix would have made.
-fn bend_normals<R: Real>(scene: &Scene, assembly: &mut Assembly<R>) {
+fn with_bent_normals(scene: &Scene, mut assembled: Assembled) -> Assembled {
     let eye_from_world = scene.camera.eye_from_world_rotation();
-    let mut done = vec![false; assembly.position_from_eye.len()];
-    let triangles = std::mem::take(&mut assembly.triangles);
-    for (range, object) in assembly.triangle_range.iter().zip(&scene.objects) {
-        let model = model_matrix_normal(&object.world_from_object.matrix3);
+    let mut done = vec![false; assembled.vertices()];
+    for (object, shown) in scene.objects.iter().enumerate() {
+        let model = model_matrix_normal(&shown.world_from_object.matrix3);
         let bend: DMat3 = eye_from_world * model * eye_from_world.transpose();
-        for v in triangles[range.start as usize..range.end as usize]
-            .iter()
-            .flatten()
-        {
-            let v = *v as usize;
-            if std::mem::replace(&mut done[v], true) {
-                continue;
-            }
-            let normal = [0, 1, 2].map(|axis: usize| assembly.normal_eye[axis][v].to_f64());
-            let (unit, _) = normalize((bend * DVec3::from_array(normal)).to_array());
-            for (list, n) in assembly.normal_eye.iter_mut().zip(unit) {
-                list[v] = R::from_f64(n);
+        let range = assembled.ranges()[object].clone();
+        for triangle in range.start as usize..range.end as usize {
+            for v in assembled.triangles()[triangle] {
+                if std::mem::replace(&mut done[v as usize], true) {
+                    continue;
+                }
+                let normal = DVec3::from_array(assembled.vertex_normal(v));
+                let (unit, _) = normalize((bend * normal).to_array());
+                assembled.set_normal(v, unit);
             }
         }
     }
-    assembly.triangles = triangles;
+    assembled
 }

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, ValueEnum};
+use rastray::render::{Precision, Renderer};
+use rastray::trace::Geometry;
 
 /// Options that every command has.
 #[derive(Debug, Args)]
@@ -49,16 +52,94 @@ pub(super) struct SceneArgs {
     pub(super) strict_gl: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ModeArg {
-    /// OpenGL's picture: local illumination
-    Raster,
-    /// Primary rays only, nothing blocked: the rasterizer's terms by rays
-    Cast,
-    /// Whitted's picture: shadows, reflection, refraction
-    Trace,
-    /// The rasterizer's scene, drawn by the system's real OpenGL (feature opengl)
+/// Who draws the picture of `render`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Who {
+    /// A renderer of this program.
+    Ours(Renderer),
+    /// The system's real OpenGL, on the rasterizer's scene.
     Opengl,
+}
+
+impl Who {
+    /// Its name, as `--mode` takes it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Ours(renderer) => renderer.name(),
+            Self::Opengl => "opengl",
+        }
+    }
+}
+
+/// Values by the name that the command line gives them, with a line of help each.
+fn named<T: Copy + Send + Sync + 'static>(
+    values: &'static [(&'static str, T, &'static str)],
+) -> impl TypedValueParser<Value = T> {
+    let possible =
+        |(name, _, help): &(&'static str, T, &'static str)| PossibleValue::new(*name).help(*help);
+    PossibleValuesParser::new(values.iter().map(possible)).map(|given| {
+        let found = values.iter().find(|(name, ..)| *name == given);
+        found.unwrap_or(&values[0]).1
+    })
+}
+
+/// Parses `--mode` of `render`.
+fn who() -> impl TypedValueParser<Value = Who> {
+    named(&[
+        (
+            "raster",
+            Who::Ours(Renderer::Raster),
+            "OpenGL's picture: local illumination",
+        ),
+        (
+            "cast",
+            Who::Ours(Renderer::Cast),
+            "Primary rays only, nothing blocked: the rasterizer's terms by rays",
+        ),
+        (
+            "trace",
+            Who::Ours(Renderer::Trace),
+            "Whitted's picture: shadows, reflection, refraction",
+        ),
+        (
+            "opengl",
+            Who::Opengl,
+            "The rasterizer's scene, drawn by the system's real OpenGL (feature opengl)",
+        ),
+    ])
+}
+
+/// Parses `--mode` where only this program's renderers are meant.
+pub(super) fn renderer() -> impl TypedValueParser<Value = Renderer> {
+    named(&[
+        (
+            "raster",
+            Renderer::Raster,
+            "Rasterized: flat, Gouraud or Phong",
+        ),
+        ("cast", Renderer::Cast, "Primary rays only, nothing blocked"),
+        (
+            "trace",
+            Renderer::Trace,
+            "Traced: shadows, reflection, refraction",
+        ),
+    ])
+}
+
+/// Parses `--precision`.
+fn precision() -> impl TypedValueParser<Value = Precision> {
+    named(&[
+        ("f32", Precision::F32, "32-bit floats"),
+        ("f64", Precision::F64, "64-bit floats, the whole path"),
+    ])
+}
+
+/// Parses `--geometry`.
+pub(super) fn geometry() -> impl TypedValueParser<Value = Geometry> {
+    named(&[
+        ("exact", Geometry::Exact, "The true shapes"),
+        ("mesh", Geometry::Mesh, "The rasterizer's own triangles"),
+    ])
 }
 
 /// What `compare` holds the rasterizer against.
@@ -80,23 +161,6 @@ pub(super) enum ShadingArg {
     /// Lit at every pixel
     #[value(alias = "per-pixel")]
     Phong,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum GeometryArg {
-    /// The true shapes
-    Exact,
-    /// The rasterizer's own triangles
-    Mesh,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum PrecisionArg {
-    /// 32-bit floats
-    #[default]
-    F32,
-    /// 64-bit floats, the whole path
-    F64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -151,13 +215,13 @@ pub(super) struct QualityArgs {
     /// Precision of the whole path
     #[arg(
         long,
-        value_enum,
+        value_parser = precision(),
         default_value = "f32",
         hide_short_help = true,
         help_heading = "Expert",
         value_name = "PRECISION"
     )]
-    pub(super) precision: PrecisionArg,
+    pub(super) precision: Precision,
     /// Sub-pixel bits that vertices snap to before coverage: 8, 12, or exact for none
     #[arg(
         long,
@@ -226,11 +290,11 @@ pub(super) struct RenderArgs {
     /// Renderer: raster, cast (primary rays only), trace, opengl (this machine's, where built with it)
     #[arg(
         long,
-        value_enum,
+        value_parser = who(),
         default_value = "raster",
         hide_possible_values = true
     )]
-    pub(super) mode: ModeArg,
+    pub(super) mode: Who,
     #[command(flatten)]
     pub(super) quality: QualityArgs,
     /// Pick the cheapest setting whose error (rmse of linear values) is at most E, such as 1/255
@@ -260,13 +324,13 @@ pub(super) struct RenderArgs {
     /// What the tracer traces: exact shapes, or the rasterizer's triangles
     #[arg(
         long,
-        value_enum,
+        value_parser = geometry(),
         default_value = "exact",
         value_name = "GEOMETRY",
         hide_short_help = true,
         help_heading = "Expert"
     )]
-    pub(super) geometry: GeometryArg,
+    pub(super) geometry: Geometry,
     /// GL's clamps (default: gl for PNG, none for float files)
     #[arg(
         long,

@@ -3,18 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rastray::check::{self, Finding, Given, Mistake, Mode, Options, Report, Telling, Verdict};
 use rastray::error::Error;
 use rastray::import::{self, Imported, picture};
+use rastray::render::{self, Renderer};
 use rastray::report::checked::{Checked, verdict_name};
 use rastray::report::files;
 use rastray::report::formats::png_of_picture;
 use rastray::report::numbers::{count, value};
 use serde_json::{Value, json};
 
-use super::args::{PrecisionArg, QualityArgs, SceneArgs, ShadingArg};
-use super::options::{Quality, Verbosity, apply};
+use super::args::{QualityArgs, SceneArgs, ShadingArg, renderer};
+use super::options::{Verbosity, apply};
 use super::progress::Progress;
 use super::{commands, diagnostic};
 
@@ -26,17 +27,6 @@ pub(super) const EXAMPLES: &str = "Examples:
 
 Exit codes: 0 the picture is right, 1 it is not, 2 error.";
 
-/// What a picture is meant to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum MeantArg {
-    /// Rasterized: flat, Gouraud or Phong
-    Raster,
-    /// Primary rays only, nothing blocked
-    Cast,
-    /// Traced: shadows, reflection, refraction
-    Trace,
-}
-
 #[derive(Debug, Args)]
 // Parsed only to be refused with a reason.
 #[command(mut_arg("size", |size| size.hide(true)))]
@@ -47,8 +37,8 @@ pub(super) struct CheckArgs {
     #[arg(value_name = "IMAGE")]
     pub(super) image: PathBuf,
     /// What the picture is meant to be: raster, cast, trace (default: found by looking)
-    #[arg(long, value_enum, value_name = "MODE", hide_possible_values = true)]
-    pub(super) mode: Option<MeantArg>,
+    #[arg(long, value_parser = renderer(), value_name = "MODE", hide_possible_values = true)]
+    pub(super) mode: Option<Renderer>,
     /// Given, with the mistake, right, and their differences: one .png, or a folder
     #[arg(short, long, value_name = "PATH")]
     pub(super) output: Option<PathBuf>,
@@ -70,9 +60,9 @@ pub(super) fn check(args: &CheckArgs, verbosity: Verbosity) -> Result<ExitCode, 
     let given = Given::from(file);
     let mut imported = commands::load(&args.scene, &[], verbosity)?;
     imported.resize(given.color.width as u32, given.color.height as u32);
-    let quality = apply(&args.quality, &mut imported)?;
-    let options = options(args, &quality);
-    let report = checked(args, &imported, &given, &options, verbosity)?;
+    let render = apply(&args.quality, &mut imported)?;
+    let options = options(args, render);
+    let report = checked(&imported, &given, &options, verbosity)?;
     let both = Checked {
         report: &report,
         given: &given,
@@ -109,9 +99,8 @@ fn refuse(args: &CheckArgs) -> Result<(), Error> {
         return Err(Error::parameter("--size", message).with_help("leave it out"));
     }
     let rays = match args.mode {
-        Some(MeantArg::Cast) => Some("cast"),
-        Some(MeantArg::Trace) => Some("trace"),
-        Some(MeantArg::Raster) | None => None,
+        Some(by @ (Renderer::Cast | Renderer::Trace)) => Some(by.name()),
+        Some(Renderer::Raster) | None => None,
     };
     if let (Some(rays), Some(_)) = (rays, args.quality.shading) {
         let message = format!("a shading is the rasterizer's, and --mode {rays} asks for rays");
@@ -159,7 +148,7 @@ fn check_output(output: Option<&Path>) -> Result<(), Error> {
     }
 }
 
-fn options(args: &CheckArgs, quality: &Quality) -> Options {
+fn options(args: &CheckArgs, render: render::Options) -> Options {
     let shaded = |mode: &Mode| match args.quality.shading {
         None => true,
         Some(shading) => {
@@ -174,25 +163,17 @@ fn options(args: &CheckArgs, quality: &Quality) -> Options {
     let meant = |mode: &Mode| match args.mode {
         // A shading is the rasterizer's.
         None => args.quality.shading.is_none() || mode.shading().is_some(),
-        Some(MeantArg::Raster) => mode.shading().is_some(),
-        Some(MeantArg::Cast) => *mode == Mode::Cast,
-        Some(MeantArg::Trace) => *mode == Mode::Trace,
+        Some(by) => mode.renderer() == by,
     };
     let wanted = |mode: &Mode| meant(mode) && (mode.shading().is_none() || shaded(mode));
     Options {
         modes: Mode::ALL.into_iter().filter(wanted).collect(),
-        level: quality.level,
-        isa: quality.isa,
-        model: quality.model,
-        shadows: !args.quality.no_shadows,
-        reflection: !args.quality.no_reflection,
-        refraction: !args.quality.no_refraction,
+        render,
         srgb: args.quality.srgb,
     }
 }
 
 fn checked(
-    args: &CheckArgs,
     imported: &Imported,
     given: &Given,
     options: &Options,
@@ -204,10 +185,7 @@ fn checked(
         bar.get_or_init(|| Progress::new(verbosity, steps))
             .step(done, name);
     };
-    match args.quality.precision {
-        PrecisionArg::F32 => check::check::<f32>(&imported.scene, given, options, &progress),
-        PrecisionArg::F64 => check::check::<f64>(&imported.scene, given, options, &progress),
-    }
+    check::check(&imported.scene, given, options, &progress)
 }
 
 fn write(path: &Path, both: &Checked<'_>, args: &CheckArgs) -> Result<(), Error> {

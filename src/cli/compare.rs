@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use rastray::decompose::{self, CAUSES, Ladder, Views, decompose};
+use rastray::decompose::{self, CAUSES, Ladder, decompose};
 use rastray::error::Error;
 use rastray::frame::{LayerIndex, Layers, Plane, sum_in_order};
 use rastray::import::Imported;
-use rastray::lanes::Real;
+use rastray::render::Options;
 use rastray::report::Report;
 use rastray::report::causes;
 use rastray::report::equation::{Form, Term};
@@ -26,8 +26,8 @@ use rastray_compare::{
 };
 use serde_json::{Value, json};
 
-use super::args::{AgainstArg, CompareArgs, PrecisionArg};
-use super::options::{Quality, Verbosity, apply, view};
+use super::args::{AgainstArg, CompareArgs};
+use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::watch::{Made, follow};
 use super::{commands, live, opengl};
@@ -64,19 +64,16 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<ExitCo
 fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, &[], verbosity)?;
-    let quality = apply(&args.quality, &mut imported)?;
+    let options = apply(&args.quality, &mut imported)?;
     let path = args
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("{}-compare", imported.scene.name)));
     files::check_folder(&path, "--output")?;
-    let options = ladder_options(args, &quality);
     let (progress, done) = (Progress::new(verbosity, STEPS), AtomicU64::new(0));
     let step = |name: &str| progress.step(done.fetch_add(1, Ordering::Relaxed), name);
-    let (ladder, views) = match args.quality.precision {
-        PrecisionArg::F32 => climb::<f32>(&imported.scene, &options, &step)?,
-        PrecisionArg::F64 => climb::<f64>(&imported.scene, &options, &step)?,
-    };
+    let ladder = decompose(&imported.scene, &options, &step)?;
+    let views = decompose::views(&imported.scene, &options, &ladder, &step)?;
     let render_seconds = start.elapsed().as_secs_f64();
     step("figures and page");
     let comparison = Comparison {
@@ -90,7 +87,7 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
             options: &options,
         },
     };
-    let settings = settings(args, &imported.scene, &quality);
+    let settings = settings(&imported.scene, &options);
     let view = view(&args.quality);
     let report = comparison.report(view, settings, start, render_seconds)?;
     let exr = || live::layers(&ladder, &views, &imported.scene);
@@ -116,17 +113,6 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
         inputs: imported.files,
         result: page,
     })
-}
-
-fn ladder_options(args: &CompareArgs, quality: &Quality) -> decompose::Options {
-    decompose::Options {
-        level: quality.level,
-        isa: quality.isa,
-        model: quality.model,
-        shadows: !args.quality.no_shadows,
-        reflection: !args.quality.no_reflection,
-        refraction: !args.quality.no_refraction,
-    }
 }
 
 /// Pictures of non-empty, finite planes of one size cannot be refused; if they are, it says so.
@@ -156,17 +142,6 @@ fn error(difference: &Plane<[f64; 3]>) -> Result<Map, Error> {
         data,
     } = difference;
     figure(magnitude_map(*width, *height, data, Reduction::Largest))
-}
-
-/// The ladder, and the views beside it.
-fn climb<R: Real>(
-    scene: &Scene,
-    options: &decompose::Options,
-    step: &(dyn Fn(&str) + Sync),
-) -> Result<(Ladder, Views), Error> {
-    let ladder = decompose::<R>(scene, options, step)?;
-    let views = decompose::views::<R>(scene, options, &ladder, step)?;
-    Ok((ladder, views))
 }
 
 /// A scene and its ladder, on the way to a report.
@@ -298,16 +273,8 @@ pub(super) fn quoted(arg: &str) -> String {
 }
 
 /// What was rendered how, for the page.
-pub(super) fn settings(
-    args: &CompareArgs,
-    scene: &Scene,
-    quality: &Quality,
-) -> Vec<(String, String)> {
+pub(super) fn settings(scene: &Scene, options: &Options) -> Vec<(String, String)> {
     let image = &scene.image;
-    let precision = match args.quality.precision {
-        PrecisionArg::F32 => "f32",
-        PrecisionArg::F64 => "f64",
-    };
     let pairs = [
         ("size", format!("{}x{}", image.width, image.height)),
         ("samples", image.samples.to_string()),
@@ -317,12 +284,12 @@ pub(super) fn settings(
         ),
         (
             "tessellation",
-            quality.level.unwrap_or(DEFAULT_LEVEL).to_string(),
+            options.level.unwrap_or(DEFAULT_LEVEL).to_string(),
         ),
         ("depth", scene.trace.depth.to_string()),
-        ("precision", precision.to_owned()),
+        ("precision", options.precision.name().to_owned()),
         ("snap", scene.raster.snap.name().to_owned()),
-        ("isa", quality.isa.name().to_owned()),
+        ("isa", options.isa.name().to_owned()),
         ("threads", rayon::current_num_threads().to_string()),
     ];
     pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
@@ -355,12 +322,7 @@ fn counters(ladder: &Ladder) -> serde_json::Map<String, Value> {
     let mut all = serde_json::Map::new();
     all.insert("triangles".into(), json!(ladder.triangles));
     for work in &ladder.work {
-        let value = match (&work.raster, &work.trace) {
-            (Some(raster), _) => json!(raster),
-            (_, Some(trace)) => json!(trace),
-            _ => continue,
-        };
-        all.insert(format!("rung {}", work.rungs), value);
+        all.insert(format!("rung {}", work.rungs), json!(work.counters));
     }
     all
 }
@@ -386,19 +348,15 @@ mod tests {
             .expect("a shipped scene")
             .scene;
         (scene.image.width, scene.image.height) = (8, 6);
-        let options = decompose::Options {
+        let options = Options {
             level: Some(4),
-            isa: rastray::lanes::Isa::detect(),
-            model: rastray::scene::requirements::Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
+            ..Options::default()
         };
         let heard = AtomicU64::new(0);
         let step = |_: &str| {
             heard.fetch_add(1, Ordering::Relaxed);
         };
-        decompose::<f32>(&scene, &options, &step).expect("climbs");
+        decompose(&scene, &options, &step).expect("climbs");
         // The views beside the ladder, and the report, are the steps after the ladder's.
         assert_eq!(heard.into_inner() + 2, STEPS);
     }

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rastray::decompose;
 use rastray::error::{Error, Note};
-use rastray::explain::{Explanation, Options, Precision, Setting};
+use rastray::explain::{Explanation, Setting};
+use rastray::render::Options;
 use rastray::report::files;
 use rastray::report::pixel::{Layout, figure, paths, text};
 use rastray::scene::Scene;
 use rastray::trace::Geometry;
 
-use super::args::{FollowArgs, GeometryArg, PrecisionArg, QualityArgs, SceneArgs};
+use super::args::{FollowArgs, QualityArgs, SceneArgs, geometry};
 use super::options::{Verbosity, apply};
 use super::watch::{Made, follow};
 use super::{commands, diagnostic};
@@ -43,13 +43,13 @@ pub(super) struct ExplainArgs {
     /// What the tracer traces: exact shapes, or the rasterizer's triangles
     #[arg(
         long,
-        value_enum,
+        value_parser = geometry(),
         default_value = "exact",
         value_name = "GEOMETRY",
         hide_short_help = true,
         help_heading = "Expert"
     )]
-    geometry: GeometryArg,
+    geometry: Geometry,
     #[command(flatten)]
     follow: FollowArgs,
     /// Print the explanation as JSON, with exact numbers
@@ -103,28 +103,13 @@ fn kind(path: &Path) -> Result<Kind, Error> {
 
 fn once(args: &ExplainArgs, kind: Option<Kind>, verbosity: Verbosity) -> Result<Made, Error> {
     let mut imported = commands::load(&args.scene, &[], verbosity)?;
-    let quality = apply(&args.quality, &mut imported)?;
+    let options = apply(&args.quality, &mut imported)?;
     let scene = &imported.scene;
     // A pixel outside is said before the work.
     let [x, y] = scene.image.check_pixel([args.x, args.y])?;
-    let ladder = decompose::Options {
-        level: quality.level,
-        isa: quality.isa,
-        model: quality.model,
-        shadows: !args.quality.no_shadows,
-        reflection: !args.quality.no_reflection,
-        refraction: !args.quality.no_refraction,
-    };
     let options = Options {
-        ladder,
-        precision: match args.quality.precision {
-            PrecisionArg::F32 => Precision::F32,
-            PrecisionArg::F64 => Precision::F64,
-        },
-        geometry: match args.geometry {
-            GeometryArg::Exact => Geometry::Exact,
-            GeometryArg::Mesh => Geometry::Mesh,
-        },
+        geometry: args.geometry,
+        ..options
     };
     let setting = Setting::new(scene, options)?;
     let explanation = setting.explainer()?.at(x, y)?;

@@ -2,7 +2,7 @@
 
 use rastray::error::{Error, Note};
 use rastray::import::Imported;
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Assembled, Precision};
 use rastray::scene::requirements::{Mode, Requirements};
 use serde_json::{Map, Value, json};
 
@@ -12,7 +12,8 @@ use super::options::Verbosity;
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Error> {
     let imported = load(&args.scene, &[], Verbosity::Quiet)?;
-    let triangles = Assembly::<f32>::new(&imported.scene, None)?.triangles.len();
+    let triangles = Assembled::unchecked(&imported.scene, None, Precision::F32)?;
+    let triangles = triangles.triangles().len();
     let needs = Requirements::of(&imported.scene, Mode::Trace);
     if args.json {
         print_json(&value(&imported, triangles, &needs))

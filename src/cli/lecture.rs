@@ -9,15 +9,16 @@ use rastray::error::{Error, Note};
 use rastray::frame::Plane;
 use rastray::import::{Imported, LoadOptions, load, shipped};
 use rastray::math::color::quantize8;
+use rastray::render::{Options, Renderer};
 use rastray::report::deck::{Deck, Entry, Slide, stems};
 use rastray::report::equation::Form;
 use rastray::report::files;
 use rastray::report::folder::File;
 use rastray::report::topic::Topics;
 
-use super::args::{LectureArgs, ModeArg};
+use super::args::LectureArgs;
 use super::compare::{command_line, signed};
-use super::options::{Quality, Verbosity, apply, view};
+use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::render::picture;
 use super::{diagnostic, show};
@@ -30,7 +31,7 @@ const SAMPLES: u32 = 4;
 /// A scene that is ready to be drawn.
 struct Ready {
     imported: Imported,
-    quality: Quality,
+    options: Options,
     topics: Topics,
 }
 
@@ -96,10 +97,10 @@ fn ready(name: &str, args: &LectureArgs, verbosity: Verbosity) -> Result<Ready, 
     imported.resize(SIZE.0, SIZE.1);
     let image = &mut imported.scene.image;
     image.samples = image.samples.max(SAMPLES);
-    let quality = apply(&args.quality, &mut imported)?;
+    let options = apply(&args.quality, &mut imported)?;
     Ok(Ready {
         imported,
-        quality,
+        options,
         topics,
     })
 }
@@ -107,8 +108,8 @@ fn ready(name: &str, args: &LectureArgs, verbosity: Verbosity) -> Result<Ready, 
 /// Draws a scene both ways and writes its pictures.
 fn drawn(ready: &Ready, stem: String, args: &LectureArgs, folder: &Path) -> Result<Entry, Error> {
     let scene = &ready.imported.scene;
-    let raster = picture(scene, ModeArg::Raster, &args.quality, &ready.quality)?;
-    let trace = picture(scene, ModeArg::Trace, &args.quality, &ready.quality)?;
+    let raster = picture(scene, Renderer::Raster, &ready.options)?;
+    let trace = picture(scene, Renderer::Trace, &ready.options)?;
     let slide = Slide {
         stem,
         head: ready.imported.head.clone(),

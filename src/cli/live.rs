@@ -1,16 +1,16 @@
 //! What `compare` gives its page beside pictures and numbers: packed layers, explained pixels, the line that explains one.
 //! And the layers of `layers.exr`, which are the same light.
 
-use rastray::decompose::{self, Ladder, Views};
+use rastray::decompose::{Ladder, Views};
 use rastray::error::Error;
-use rastray::explain::Precision;
 use rastray::frame::{LayerIndex, Layers, Plane};
+use rastray::render::Options;
 use rastray::report::files::View;
 use rastray::report::layered::{self, NamedLayer};
 use rastray::report::page::live::{Input, Live};
 use rastray::scene::Scene;
 
-use super::args::{CompareArgs, PrecisionArg};
+use super::args::CompareArgs;
 use super::compare::quoted;
 use super::telling::explained;
 
@@ -20,17 +20,13 @@ pub(super) struct Source<'a> {
     pub(super) scene: &'a Scene,
     pub(super) ladder: &'a Ladder,
     pub(super) views: &'a Views,
-    pub(super) options: &'a decompose::Options,
+    pub(super) options: &'a Options,
 }
 
 impl Source<'_> {
     /// Packs it.
     pub(super) fn pack(&self, view: View) -> Result<Live, Error> {
-        let precision = match self.args.quality.precision {
-            PrecisionArg::F32 => Precision::F32,
-            PrecisionArg::F64 => Precision::F64,
-        };
-        let explained = explained(self.scene, self.ladder, self.options, precision)?;
+        let explained = explained(self.scene, self.ladder, self.options)?;
         Live::new(&Input {
             ladder: self.ladder,
             views: self.views,

@@ -4,26 +4,24 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rastray::error::{Error, Note};
-use rastray::frame::{Frame, Plane};
-use rastray::lanes::Real;
-use rastray::math::color::{clamp_rgb, quantize8};
+use rastray::frame::Plane;
+use rastray::math::color::quantize8;
 use rastray::peers::agreement::{Agreement, Pair};
 use rastray::peers::opengl::{Info, Options, Picture, with_driver};
-use rastray::raster;
+use rastray::render::{self, Assembled, Job, Rasterizer, Renderer};
 use rastray::report::files;
 use rastray::report::peer::{Both, PeerReport, PeerSummary, Seconds};
 use rastray::sampling::Pattern;
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
 use rastray_compare::{
     Encoding, ImageView, Map, Metrics, Reduction, magnitude_map, metrics, signed_map,
 };
 use serde_json::{Value, json};
 
-use super::args::{CompareArgs, PrecisionArg};
+use super::args::CompareArgs;
 use super::commands;
 use super::compare::{command_line, figure, settings};
-use super::options::{Quality, Verbosity, apply, view};
+use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::watch::Made;
 
@@ -47,17 +45,13 @@ pub(super) fn check(_flag: &str) -> Result<(), Error> {
 }
 
 /// Draws the scene's triangles with the system's OpenGL.
-pub(super) fn draw<R: Real>(
-    scene: &Scene,
-    assembly: &Assembly<R>,
-    clamp: bool,
-) -> Result<Drawn, Error> {
+pub(super) fn draw(scene: &Scene, assembled: &Assembled, clamp: bool) -> Result<Drawn, Error> {
     let options = Options {
         shading: scene.raster.shading,
         clamp,
     };
     let (info, picture) = with_driver(|driver| {
-        let picture = driver.draw(scene, assembly, &options)?;
+        let picture = driver.draw(scene, assembled, &options)?;
         Ok((driver.info().clone(), picture))
     })?;
     let method = picture.method.to_string();
@@ -71,17 +65,14 @@ pub(super) fn draw<R: Real>(
 /// Both pictures of a scene into a folder; whether they differ by more than was asked.
 pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made, bool), Error> {
     let mut imported = commands::load(&args.scene, &[], verbosity)?;
-    let quality = apply(&args.quality, &mut imported)?;
+    let render = apply(&args.quality, &mut imported)?;
     let scene = &imported.scene;
     let name = || PathBuf::from(format!("{}-opengl", scene.name));
     let path = args.output.clone().unwrap_or_else(name);
     files::check_folder(&path, "--output")?;
     let progress = Progress::new(verbosity, 1);
     progress.step(0, "rendering");
-    let measured = match args.quality.precision {
-        PrecisionArg::F32 => measure::<f32>(scene, &quality)?,
-        PrecisionArg::F64 => measure::<f64>(scene, &quality)?,
-    };
+    let measured = measure(scene, &render)?;
     let report = PeerReport {
         title: scene.name.clone(),
         command: command_line(),
@@ -92,7 +83,7 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made,
         opengl: measured.opengl,
         summary: measured.summary,
         notes: [&imported.notes[..], &outlines(scene)[..]].concat(),
-        settings: settings(args, scene, &quality),
+        settings: settings(scene, &render),
     };
     write(&path, &report)?;
     drop(progress);
@@ -173,11 +164,7 @@ struct Theirs {
 }
 
 /// All of the driver's pictures.
-fn theirs<R: Real>(
-    scene: &Scene,
-    centers: &Scene,
-    assembly: &Assembly<R>,
-) -> Result<Theirs, Error> {
+fn theirs(scene: &Scene, centers: &Scene, assembled: &Assembled) -> Result<Theirs, Error> {
     let start = Instant::now();
     let options = |clamp| Options {
         shading: scene.raster.shading,
@@ -185,11 +172,11 @@ fn theirs<R: Real>(
     };
     with_driver(|driver| {
         let sampled = centers.image != scene.image;
-        let shown = sampled.then(|| driver.draw(scene, assembly, &options(true)));
+        let shown = sampled.then(|| driver.draw(scene, assembled, &options(true)));
         Ok(Theirs {
             info: driver.info().clone(),
-            unclamped: driver.draw(centers, assembly, &options(false))?,
-            clamped: driver.draw(centers, assembly, &options(true))?,
+            unclamped: driver.draw(centers, assembled, &options(false))?,
+            clamped: driver.draw(centers, assembled, &options(true))?,
             shown: shown.transpose()?,
             seconds: start.elapsed().as_secs_f64(),
         })
@@ -197,39 +184,42 @@ fn theirs<R: Real>(
 }
 
 /// The rasterizer, and the time that it takes.
-struct Ours<'a, R> {
-    assembly: &'a Assembly<R>,
-    quality: &'a Quality,
+struct Ours<'a> {
+    assembled: &'a Assembled,
+    render: &'a render::Options,
     seconds: f64,
 }
 
-impl<R: Real> Ours<'_, R> {
-    fn draw(&mut self, scene: &Scene, clamp: bool) -> Result<Frame<R>, Error> {
+impl Ours<'_> {
+    fn draw(&mut self, scene: &Scene, clamp: bool) -> Result<render::Picture, Error> {
         let start = Instant::now();
-        let options = raster::Options {
-            shading: scene.raster.shading,
+        let job = Job {
             clamp,
-            layers: false,
-            isa: self.quality.isa,
+            ..Job::with(scene, Renderer::Raster, self.render)
         };
-        let plan = raster::Plan::new(scene, self.assembly, self.quality.model);
-        let (mut frame, _) = plan.draw(&options)?;
+        let mut picture = job.draw_of(self.assembled)?.picture;
         if clamp {
-            frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
+            picture = picture.clamped();
         }
         self.seconds += start.elapsed().as_secs_f64();
-        Ok(frame)
+        Ok(picture)
     }
 
     /// Our picture against theirs, at pixel centres.
-    fn agreement(&self, scene: &Scene, ours: &Frame<R>, peer: &Picture, info: &Info) -> Agreement {
-        let plan = raster::Plan::new(scene, self.assembly, self.quality.model);
+    fn agreement(
+        &self,
+        scene: &Scene,
+        ours: &render::Picture,
+        peer: &Picture,
+        info: &Info,
+    ) -> Agreement {
+        let plan = Rasterizer::new(scene, self.assembled, self.render.model);
         let own = scene.raster.snap.bits().unwrap_or(u32::MAX);
         let bits = info.subpixel_bits.min(own);
         Agreement::of(&Pair {
             scene,
             plan: &plan,
-            ours,
+            ours: &ours.to_f64(),
             peer,
             shading: scene.raster.shading,
             edge_px: 0.5f64.powi(bits as i32),
@@ -237,16 +227,15 @@ impl<R: Real> Ours<'_, R> {
     }
 }
 
-fn measure<R: Real>(scene: &Scene, quality: &Quality) -> Result<Measured, Error> {
-    let assembly = Assembly::<R>::new(scene, quality.level)?;
-    assembly.check_range(scene)?;
+fn measure(scene: &Scene, render: &render::Options) -> Result<Measured, Error> {
+    let assembled = Assembled::new(scene, render.level, render.precision)?;
     // Agreement is judged at pixel centres, whatever the samples of the picture.
     let mut centers = scene.clone();
     (centers.image.samples, centers.image.pattern) = (1, Pattern::Grid);
-    let theirs = theirs(scene, &centers, &assembly)?;
+    let theirs = theirs(scene, &centers, &assembled)?;
     let mut ours = Ours {
-        assembly: &assembly,
-        quality,
+        assembled: &assembled,
+        render,
         seconds: 0.0,
     };
     let (unclamped, clamped) = (ours.draw(&centers, false)?, ours.draw(&centers, true)?);
@@ -258,7 +247,7 @@ fn measure<R: Real>(scene: &Scene, quality: &Quality) -> Result<Measured, Error>
         unclamped: theirs.unclamped.method.to_string(),
         clamped: theirs.clamped.method.to_string(),
     };
-    let numbers = [&clamped.primitive.data, &theirs.clamped.primitive.data];
+    let numbers = [&clamped.primitive().data, &theirs.clamped.primitive.data];
     let same = numbers[0].iter().zip(numbers[1]).map(|(a, b)| a == b);
     let same = same.collect();
     let (raster, opengl) = match theirs.shown {
@@ -271,7 +260,7 @@ fn measure<R: Real>(scene: &Scene, quality: &Quality) -> Result<Measured, Error>
         method,
         metrics: stored_metrics(&raster, &opengl)?,
         agreement,
-        triangles: assembly.triangles.len(),
+        triangles: assembled.triangles().len(),
         seconds: Seconds {
             raster: ours.seconds,
             opengl: theirs.seconds,

@@ -2,9 +2,8 @@
 
 use rastray::error::Error;
 use rastray::frame::Plane;
-use rastray::lanes::Real;
+use rastray::render::Assembled;
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
 use serde_json::Value;
 
 use super::args::CompareArgs;
@@ -27,7 +26,7 @@ pub(super) fn check(flag: &str) -> Result<(), Error> {
     Err(absent(flag))
 }
 
-pub(super) fn draw<R: Real>(_: &Scene, _: &Assembly<R>, _: bool) -> Result<Drawn, Error> {
+pub(super) fn draw(_: &Scene, _: &Assembled, _: bool) -> Result<Drawn, Error> {
     Err(absent("--mode opengl"))
 }
 

@@ -4,11 +4,13 @@ use rastray::error::Error;
 use rastray::gl::ShadeModel;
 use rastray::import::{Imported, MAX_PIXELS, MAX_SIDE};
 use rastray::lanes::Isa;
+use rastray::render::Options;
 use rastray::report::files::View;
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::Snap;
 use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::LEVELS;
+use rastray::trace::Geometry;
 
 use super::args::{ModelArg, QualityArgs, ShadingArg};
 
@@ -66,16 +68,8 @@ pub(crate) fn in_pool<T: Send>(
     pool.install(work)
 }
 
-/// What the quality flags say beyond the scene itself.
-#[derive(Clone, Debug)]
-pub(crate) struct Quality {
-    pub(crate) level: Option<u32>,
-    pub(crate) isa: Isa,
-    pub(crate) model: Model,
-}
-
 /// Writes the flags into the scene and returns the rest.
-pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quality, Error> {
+pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Options, Error> {
     if let Some(size) = &args.size {
         let (width, height) = parse_size(size)?;
         imported.resize(width, height);
@@ -120,10 +114,15 @@ pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quali
         ModelArg::Required => Model::Required,
         ModelArg::Full => Model::Full,
     };
-    Ok(Quality {
+    Ok(Options {
+        precision: args.precision,
         level: args.tessellation,
-        isa,
+        geometry: Geometry::Exact,
         model,
+        isa,
+        shadows: !args.no_shadows,
+        reflection: !args.no_reflection,
+        refraction: !args.no_refraction,
     })
 }
 

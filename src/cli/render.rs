@@ -4,37 +4,29 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rastray::error::Error;
-use rastray::frame::{Frame, Layers, Plane};
+use rastray::frame::{Layers, Plane};
 use rastray::import::Imported;
-use rastray::lanes::{Isa, Real};
-use rastray::math::color::clamp_rgb;
+use rastray::render::{Assembled, Drawn, Job, Options, Renderer, Seconds};
 use rastray::report::files::{self, Format};
 use rastray::report::layered::NamedLayer;
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
 use rastray::trade::choose::Choice;
-use rastray::trade::setting::{Precision, Renderer, Setting};
-use rastray::{raster, trace};
+use rastray::trade::setting::Setting;
 use serde_json::{Value, json};
 
-use super::args::{ClampArg, GeometryArg, ModeArg, PrecisionArg, QualityArgs, RenderArgs};
-use super::options::{Quality, Verbosity, apply, view};
+use super::args::{ClampArg, RenderArgs, Who};
+use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::series::Series;
 use super::watch::{Made, follow};
 use super::{commands, diagnostic, opengl, pick, series};
 
-/// What a render needs beyond the scene.
-struct Job {
-    mode: ModeArg,
-    precision: PrecisionArg,
-    geometry: trace::Geometry,
+/// How a picture of `render` is made.
+struct Plan {
+    by: Who,
     clamp: bool,
     layers: bool,
-    shadows: bool,
-    reflection: bool,
-    refraction: bool,
-    quality: Quality,
+    options: Options,
 }
 
 /// A finished picture as files hold it.
@@ -45,18 +37,15 @@ struct Done {
     counters: Value,
     /// Who drew it, where it was not this program.
     remark: Option<String>,
-    assemble_seconds: f64,
-    plan_seconds: f64,
-    render_seconds: f64,
+    seconds: Seconds,
 }
 
 /// A render of a loaded scene.
 pub(super) struct Shot {
     imported: Imported,
     import_seconds: f64,
-    isa: Isa,
-    mode: ModeArg,
-    precision: PrecisionArg,
+    by: Who,
+    options: Options,
     /// What `--error` or `--time` picked.
     picked: Option<Choice>,
     done: Done,
@@ -70,7 +59,7 @@ impl Shot {
 }
 
 pub(super) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
-    if args.mode == ModeArg::Opengl {
+    if args.mode == Who::Opengl {
         opengl::check("--mode opengl")?;
     }
     let several = Series::new(args)?;
@@ -123,7 +112,7 @@ fn check_output(args: &RenderArgs, several: bool) -> Result<(), Error> {
 }
 
 fn layers_need_exr(args: &RenderArgs, format: Format) -> Result<(), Error> {
-    if args.layers && args.mode == ModeArg::Opengl {
+    if args.layers && args.mode == Who::Opengl {
         let message = "OpenGL gives a picture, not its terms";
         return Err(Error::parameter("--layers", message).with_help("use --mode raster"));
     }
@@ -165,92 +154,115 @@ pub(super) fn shoot(
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, sets, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
-    let quality = apply(&args.quality, &mut imported)?;
-    let isa = quality.isa;
+    let options = apply(&args.quality, &mut imported)?;
+    let isa = options.isa;
     let float = args
         .output
         .as_deref()
         .and_then(|path| Format::of_path(path).ok())
         .is_some_and(Format::is_float);
-    let mut job = Job {
-        mode: args.mode,
-        precision: args.quality.precision,
-        geometry: match args.geometry {
-            GeometryArg::Exact => trace::Geometry::Exact,
-            GeometryArg::Mesh => trace::Geometry::Mesh,
-        },
+    let mut plan = Plan {
+        by: args.mode,
         clamp: args.clamp.map_or(!float, |clamp| clamp == ClampArg::Gl),
         layers: args.layers,
-        shadows: !args.quality.no_shadows,
-        reflection: !args.quality.no_reflection,
-        refraction: !args.quality.no_refraction,
-        quality,
+        options: Options {
+            geometry: args.geometry,
+            ..options
+        },
     };
     let picked = pick::pick(args, &imported.scene, isa, verbosity)?;
     if let Some(choice) = &picked {
         imported.scene = choice.setting.apply(&imported.scene);
-        job.take(&choice.setting);
+        plan.take(&choice.setting);
     }
     // After the notes, which must not meet a bar. A series has a bar of its own, and asks for quiet.
     let progress = Progress::new(verbosity, 1);
     progress.step(0, "rendering");
-    let done = draw_in(&imported.scene, &job)?;
+    let done = plan.draw(&imported.scene)?;
     drop(progress);
     Ok(Shot {
         imported,
         import_seconds,
-        isa,
-        mode: job.mode,
-        precision: job.precision,
+        by: plan.by,
+        options: plan.options,
         picked,
         done,
     })
 }
 
-impl Job {
+impl Plan {
     /// Draws as a setting says; what of it is the scene's, the scene has.
     fn take(&mut self, setting: &Setting) {
-        self.mode = match setting.renderer {
-            Renderer::Raster => ModeArg::Raster,
-            Renderer::Cast => ModeArg::Cast,
-            Renderer::Trace => ModeArg::Trace,
-        };
-        self.precision = match setting.precision {
-            Precision::F32 => PrecisionArg::F32,
-            Precision::F64 => PrecisionArg::F64,
-        };
-        self.geometry = setting.geometry;
-        self.quality.level = Some(setting.level);
+        self.by = Who::Ours(setting.renderer);
+        self.options.precision = setting.precision;
+        self.options.geometry = setting.geometry;
+        self.options.level = Some(setting.level);
     }
-}
 
-/// Draws in the precision that is asked for.
-fn draw_in(scene: &Scene, job: &Job) -> Result<Done, Error> {
-    match job.precision {
-        PrecisionArg::F32 => draw::<f32>(scene, job),
-        PrecisionArg::F64 => draw::<f64>(scene, job),
+    /// Draws.
+    fn draw(&self, scene: &Scene) -> Result<Done, Error> {
+        match self.by {
+            Who::Ours(renderer) => self.ours(scene, renderer),
+            Who::Opengl => self.theirs(scene),
+        }
+    }
+
+    fn ours(&self, scene: &Scene, renderer: Renderer) -> Result<Done, Error> {
+        let job = Job {
+            clamp: self.clamp,
+            layers: self.layers,
+            ..Job::with(scene, renderer, &self.options)
+        };
+        let Drawn {
+            mut picture,
+            counters,
+            triangles,
+            seconds,
+        } = job.draw()?;
+        if self.clamp {
+            picture = picture.clamped();
+        }
+        Ok(Done {
+            color: picture.color_f32(),
+            layers: picture.layers_f32(),
+            triangles,
+            counters: json!(counters),
+            remark: None,
+            seconds,
+        })
+    }
+
+    fn theirs(&self, scene: &Scene) -> Result<Done, Error> {
+        let start = Instant::now();
+        let assembled = Assembled::new(scene, self.options.level, self.options.precision)?;
+        let (assemble, start) = (start.elapsed().as_secs_f64(), Instant::now());
+        let drawn = opengl::draw(scene, &assembled, self.clamp)?;
+        Ok(Done {
+            color: drawn.color,
+            layers: None,
+            triangles: assembled.triangles().len(),
+            counters: drawn.driver,
+            remark: Some(drawn.remark),
+            seconds: Seconds {
+                assemble,
+                plan: 0.0,
+                render: start.elapsed().as_secs_f64(),
+            },
+        })
     }
 }
 
 /// A picture of a scene as its PNG would hold it, still in float: GL's clamps, exact shapes where it is traced.
 pub(super) fn picture(
     scene: &Scene,
-    mode: ModeArg,
-    args: &QualityArgs,
-    quality: &Quality,
+    by: Renderer,
+    options: &Options,
 ) -> Result<Plane<[f32; 3]>, Error> {
     let job = Job {
-        mode,
-        precision: args.precision,
-        geometry: trace::Geometry::Exact,
         clamp: true,
-        layers: false,
-        shadows: !args.no_shadows,
-        reflection: !args.no_reflection,
-        refraction: !args.no_refraction,
-        quality: quality.clone(),
+        ..Job::with(scene, by, options)
     };
-    Ok(draw_in(scene, &job)?.color)
+    Ok(job.draw()?.picture.clamped().color_f32())
 }
 
 /// Times and counters of a render.
@@ -259,22 +271,22 @@ pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
     json!({
         "scene": scene.name,
         "size": [scene.image.width, scene.image.height],
-        "mode": mode_name(shot.mode),
+        "mode": shot.by.name(),
         "picked": shot.picked.as_ref().map(|choice| json!({
             "arguments": choice.arguments,
             "tried": choice.tried,
             "expected_rmse": choice.error,
             "expected_seconds": choice.seconds,
         })),
-        "precision": match shot.precision { PrecisionArg::F32 => "f32", PrecisionArg::F64 => "f64" },
-        "instruction_set": shot.isa.name(),
+        "precision": shot.options.precision.name(),
+        "instruction_set": shot.options.isa.name(),
         "threads": rayon::current_num_threads(),
         "triangles": done.triangles,
         "seconds": {
             "import": shot.import_seconds,
-            "assemble": done.assemble_seconds,
-            "plan": done.plan_seconds,
-            "render": done.render_seconds,
+            "assemble": done.seconds.assemble,
+            "plan": done.seconds.plan,
+            "render": done.seconds.render,
             "write": write_seconds,
         },
         "counters": done.counters,
@@ -290,15 +302,6 @@ pub(super) fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
         commands::print_json(stats)?;
     }
     Ok(())
-}
-
-fn mode_name(mode: ModeArg) -> &'static str {
-    match mode {
-        ModeArg::Raster => "raster",
-        ModeArg::Cast => "cast",
-        ModeArg::Trace => "trace",
-        ModeArg::Opengl => "opengl",
-    }
 }
 
 /// Writes a picture in the format of the path, and says what the format loses.
@@ -323,100 +326,4 @@ pub(super) fn write(
         notes.iter().for_each(diagnostic::note);
     }
     Ok(())
-}
-
-fn draw<R: Real>(scene: &Scene, job: &Job) -> Result<Done, Error> {
-    let start = Instant::now();
-    let assembly = Assembly::<R>::new(scene, job.quality.level)?;
-    assembly.check_range(scene)?;
-    let assemble_seconds = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let (mut frame, counters, plan_seconds, render_seconds) = match job.mode {
-        ModeArg::Raster => {
-            let plan = raster::Plan::new(scene, &assembly, job.quality.model);
-            let planned = start.elapsed().as_secs_f64();
-            let options = raster::Options {
-                shading: scene.raster.shading,
-                clamp: job.clamp,
-                layers: job.layers,
-                isa: job.quality.isa,
-            };
-            let start = Instant::now();
-            let (frame, counters) = plan.draw(&options)?;
-            (
-                frame,
-                json!(counters),
-                planned,
-                start.elapsed().as_secs_f64(),
-            )
-        }
-        ModeArg::Cast | ModeArg::Trace => {
-            let plan = trace::Plan::new(scene, &assembly, job.geometry, job.quality.model)?;
-            let planned = start.elapsed().as_secs_f64();
-            let options = trace_options(scene, job);
-            let start = Instant::now();
-            let (frame, counters) = plan.draw(&options)?;
-            (
-                frame,
-                json!(counters),
-                planned,
-                start.elapsed().as_secs_f64(),
-            )
-        }
-        ModeArg::Opengl => {
-            let drawn = opengl::draw(scene, &assembly, job.clamp)?;
-            return Ok(Done {
-                color: drawn.color,
-                layers: None,
-                triangles: assembly.triangles.len(),
-                counters: drawn.driver,
-                remark: Some(drawn.remark),
-                assemble_seconds,
-                plan_seconds: 0.0,
-                render_seconds: start.elapsed().as_secs_f64(),
-            });
-        }
-    };
-    if job.clamp {
-        frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
-    }
-    Ok(done(
-        &frame,
-        assembly.triangles.len(),
-        counters,
-        [assemble_seconds, plan_seconds, render_seconds],
-    ))
-}
-
-fn trace_options(scene: &Scene, job: &Job) -> trace::Options {
-    let isa = job.quality.isa;
-    if job.mode == ModeArg::Cast {
-        return trace::Options {
-            layers: job.layers,
-            ..trace::Options::cast(isa)
-        };
-    }
-    trace::Options {
-        shadows: job.shadows,
-        reflection: job.reflection,
-        refraction: job.refraction,
-        layers: job.layers,
-        ..trace::Options::of(scene, isa)
-    }
-}
-
-fn done<R: Real>(frame: &Frame<R>, triangles: usize, counters: Value, seconds: [f64; 3]) -> Done {
-    let layers = frame.layers.as_ref().map(Layers::to_f32);
-    let [assemble_seconds, plan_seconds, render_seconds] = seconds;
-    let color = frame.color_f32();
-    Done {
-        color,
-        layers,
-        triangles,
-        counters,
-        remark: None,
-        assemble_seconds,
-        plan_seconds,
-        render_seconds,
-    }
 }

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use rastray::error::Error;
 use rastray::import::{LoadOptions, Shipped, load, shipped};
+use rastray::render::Renderer;
 use rastray::report::figures::{Panel, contact_sheet as sheet, pair};
 use rastray::report::files::{self, Format, View};
 use rastray::report::formats::png_small;
 use rastray::report::picture::Picture;
 
-use super::args::{ModeArg, QualityArgs};
+use super::args::QualityArgs;
 use super::options::{Verbosity, apply};
 use super::progress::Progress;
 use super::render::picture;
@@ -64,10 +65,10 @@ fn drawn(name: &str) -> Result<Picture, Error> {
         samples: Some(SAMPLES),
         ..QualityArgs::default()
     };
-    let quality = apply(&args, &mut imported)?;
+    let options = apply(&args, &mut imported)?;
     let draw = |mode| -> Result<Picture, Error> {
-        let plane = picture(&imported.scene, mode, &args, &quality)?;
+        let plane = picture(&imported.scene, mode, &options)?;
         Picture::from_linear(&plane, View::Linear)
     };
-    Ok(pair(&draw(ModeArg::Raster)?, &draw(ModeArg::Trace)?))
+    Ok(pair(&draw(Renderer::Raster)?, &draw(Renderer::Trace)?))
 }

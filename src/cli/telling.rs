@@ -2,8 +2,9 @@
 
 use rastray::decompose::{CAUSES, Ladder};
 use rastray::error::Error;
-use rastray::explain::{Options, Precision, Setting};
+use rastray::explain::Setting;
 use rastray::frame::{LayerIndex, Plane};
+use rastray::render::Options;
 use rastray::report::page::live::Explained;
 use rastray::scene::Scene;
 use rayon::prelude::*;
@@ -20,16 +21,10 @@ const PER_CAUSE: usize = 2;
 pub(super) fn explained(
     scene: &Scene,
     ladder: &Ladder,
-    options: &rastray::decompose::Options,
-    precision: Precision,
+    options: &Options,
 ) -> Result<Vec<Explained>, Error> {
     let pixels = pixels(scene, ladder);
-    let options = Options {
-        ladder: options.clone(),
-        precision,
-        geometry: rastray::trace::Geometry::Exact,
-    };
-    let setting = Setting::new(scene, options)?;
+    let setting = Setting::new(scene, options.clone())?;
     let explainer = setting.explainer()?;
     let explain = |(at, why): &([usize; 2], String)| {
         let found = explainer.at(at[0] as u32, at[1] as u32)?;

@@ -14,7 +14,7 @@ use rastray::report::trade::TradeReport;
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::Scene;
 use rastray::trade::choose::shrunk;
-use rastray::trade::draw::Job;
+use rastray::trade::draw::Ready;
 use rastray::trade::finding::{Trade, find};
 use rastray::trade::journal::{Found, Journal};
 use rastray::trade::run::{Options, Outcome, run};
@@ -259,7 +259,7 @@ fn pictures(
             .iter()
             .find(|t| t.setting.name(scene) == *name)?;
         Some(
-            Job::new(scene, &task.setting, isa)
+            Ready::new(scene, &task.setting, isa)
                 .draw()
                 .map(|d| to_f32(&d.color)),
         )

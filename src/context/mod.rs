@@ -64,11 +64,9 @@ use crate::frame::Frame;
 use crate::gl::{ColorMaterial, LightModel, LightSource};
 use crate::lanes::Isa;
 use crate::math::DVec3;
-use crate::raster;
-use crate::scene::assembly::Assembly;
-use crate::scene::requirements::Model;
+use crate::render::{self, Assembled, Job, Renderer};
 use crate::scene::{Scene, TraceSettings};
-use crate::trace;
+use crate::trace::Geometry;
 use batch::{Batch, Surface};
 use immediate::Pointer;
 use matrix::Stack;
@@ -281,22 +279,26 @@ impl Context {
     /// # Errors
     /// As [`Context::scene`], and what the tracer refuses.
     pub fn trace(&self) -> Result<Frame<f32>, Error> {
-        let scene = self.scene()?;
-        let assembly = Assembly::<f32>::new(&scene, None)?;
-        let plan = trace::Plan::new(&scene, &assembly, trace::Geometry::Mesh, Model::Required)?;
-        Ok(plan.draw(&trace::Options::of(&scene, self.isa))?.0)
+        self.drawn_by(Renderer::Trace, &self.scene()?)
     }
 
     fn rasterize(&self, scene: &Scene) -> Result<Frame<f32>, Error> {
-        let assembly = Assembly::<f32>::new(scene, None)?;
-        let options = raster::Options {
-            shading: scene.raster.shading,
-            clamp: true,
-            layers: false,
+        self.drawn_by(Renderer::Raster, scene)
+    }
+
+    /// The scene as recorded, on GL's own triangles: those with vertices beyond the range of f32 are left out, as GL does.
+    fn drawn_by(&self, by: Renderer, scene: &Scene) -> Result<Frame<f32>, Error> {
+        let options = render::Options {
+            geometry: Geometry::Mesh,
             isa: self.isa,
+            ..render::Options::default()
         };
-        let plan = raster::Plan::new(scene, &assembly, Model::Required);
-        Ok(plan.draw(&options)?.0)
+        let job = Job {
+            clamp: true,
+            ..Job::with(scene, by, &options)
+        };
+        let assembled = Assembled::unchecked(scene, None, options.precision)?;
+        Ok(job.draw_of(&assembled)?.picture.into_f32())
     }
 
     /// Records an error, unless one waits to be read.

@@ -12,8 +12,7 @@ use crate::error::Error;
 use crate::frame::Frame;
 use crate::gl;
 use crate::math::color::quantize8;
-use crate::raster::Plan;
-use crate::scene::assembly::Assembly;
+use crate::render::{Assembled, Precision, Rasterizer};
 use crate::scene::requirements::Model;
 use crate::scene::{Geometry, Scene};
 
@@ -151,9 +150,10 @@ impl Context {
         let area = Area::new(x, y, width, height)?;
         let viewport = self.drawn_viewport();
         let scene = self.scene()?;
-        let assembly = Assembly::<f32>::new(&scene, None)?;
-        let plan = Plan::new(&scene, &assembly, Model::Required);
-        let window = self.drawn(viewport)?.map(|frame| plan.window_depth(frame));
+        let assembled = Assembled::unchecked(&scene, None, Precision::F32)?;
+        let plan = Rasterizer::new(&scene, &assembled, Model::Required);
+        let frame = self.drawn(viewport)?;
+        let window = frame.map(|frame| plan.window_depth(&frame.primitive));
         let mut depths = Vec::new();
         for place in area.places(viewport) {
             let depth = place.zip(window.as_ref());

@@ -10,15 +10,13 @@
 //! Where the scene blends transmissive surfaces (`raster.transparency = "blend"`), rung 3 is drawn again with them opaque:
 //! rays blend nothing, and what is judged here is where the two renderers must agree.
 
-use super::Options;
 use crate::error::Error;
 use crate::frame::{Frame, NONE};
 use crate::gl::ShadeModel;
-use crate::lanes::Real;
-use crate::scene::assembly::Assembly;
+use crate::render::{Assembled, Options, Picture, Rasterizer, Tracer};
 use crate::scene::requirements::Model;
 use crate::scene::{Scene, Snap, Transparency};
-use crate::{raster, trace};
+use crate::trace::Geometry;
 
 /// Distance from an edge, in pixels, within which vertices snapped to a grid may decide otherwise.
 const EDGE_PX: f64 = 1.0 / 256.0;
@@ -51,44 +49,42 @@ pub struct Agreement {
     pub coverage: Coverage,
 }
 
-/// Measures the agreement; frames with several samples are drawn again with one, since it is judged at centres, and
-/// blended ones without blending.
-pub(super) fn measure<R: Real>(
+/// Measures the agreement of the pictures of rungs 3 and 4; those with several samples are drawn again with one, since it is
+/// judged at centres, and blended ones without blending.
+pub(super) fn measure(
     scene: &Scene,
-    assembly: &Assembly<R>,
+    assembled: &Assembled,
     options: &Options,
-    per_fragment: Frame<R>,
-    cast: Frame<R>,
+    [per_fragment, cast]: [&Picture; 2],
 ) -> Result<Agreement, Error> {
     let centers = scene.image.samples == 1 && scene.image.pattern == crate::sampling::Pattern::Grid;
     if centers && !scene.blends() {
-        return Ok(compare(scene, assembly, &per_fragment, &cast));
+        return Ok(compare(
+            scene,
+            assembled,
+            &per_fragment.to_f64(),
+            &cast.to_f64(),
+        ));
     }
     let mut single = scene.clone();
     single.image.samples = 1;
     single.image.pattern = crate::sampling::Pattern::Grid;
     single.raster.transparency = Transparency::Opaque;
-    let isa = options.isa;
-    let raster_options = raster::Options {
-        shading: ShadeModel::Phong,
-        clamp: false,
-        layers: true,
-        isa,
-    };
-    let (per_fragment, _) =
-        raster::Plan::new(&single, assembly, options.model).draw(&raster_options)?;
-    let plan = trace::Plan::new(&single, assembly, trace::Geometry::Mesh, options.model)?;
-    let (cast, _) = plan.draw(&trace::Options::cast(isa))?;
-    Ok(compare(&single, assembly, &per_fragment, &cast))
+    let plan = Rasterizer::new(&single, assembled, options.model);
+    let per_fragment = plan.draw(&options.raster(ShadeModel::Phong, false, true))?;
+    let plan = Tracer::new(&single, assembled, Geometry::Mesh, options.model)?;
+    let cast = plan.draw(&options.cast())?;
+    let pair = [per_fragment, cast].map(|drawn| drawn.picture.to_f64());
+    Ok(compare(&single, assembled, &pair[0], &pair[1]))
 }
 
-fn compare<R: Real>(
+fn compare(
     scene: &Scene,
-    assembly: &Assembly<R>,
-    per_fragment: &Frame<R>,
-    cast: &Frame<R>,
+    assembled: &Assembled,
+    per_fragment: &Frame<f64>,
+    cast: &Frame<f64>,
 ) -> Agreement {
-    let plan = raster::Plan::new(scene, assembly, Model::Required);
+    let plan = Rasterizer::new(scene, assembled, Model::Required);
     let width = match scene.raster.snap {
         Snap::Exact => EXACT_EDGE_PX,
         Snap::Bits8 | Snap::Bits12 => EDGE_PX,
@@ -128,26 +124,25 @@ fn compare<R: Real>(
     agreement
 }
 
-fn tie<R: Real>(a: R, b: R) -> bool {
-    let (a, b) = (a.to_f64(), b.to_f64());
+fn tie(a: f64, b: f64) -> bool {
     (a - b).abs() <= TIE * a.abs().max(b.abs())
 }
 
 /// Largest difference over channels, relative to max(1, sum of the magnitudes of the terms).
-fn relative_error<R: Real>(a: &Frame<R>, b: &Frame<R>, pixel: usize) -> f64 {
+fn relative_error(a: &Frame<f64>, b: &Frame<f64>, pixel: usize) -> f64 {
     let magnitude = a.layers.as_ref().map_or(0.0, |layers| {
         let channel = |c: usize| -> f64 {
             layers
                 .planes
                 .iter()
-                .map(|plane| plane.data[pixel][c].to_f64().abs())
+                .map(|plane| plane.data[pixel][c].abs())
                 .sum()
         };
         channel(0).max(channel(1)).max(channel(2))
     });
     let (a, b) = (a.color.data[pixel], b.color.data[pixel]);
     // Equal infinities agree; an infinite term allows every finite difference, and no infinite one.
-    let error = [0, 1, 2].map(|c| match (a[c].to_f64(), b[c].to_f64()) {
+    let error = [0, 1, 2].map(|c| match (a[c], b[c]) {
         (a, b) if a == b => 0.0,
         (a, b) if (a - b).is_finite() => (a - b).abs() / magnitude.max(1.0),
         _ => f64::INFINITY,

@@ -30,16 +30,11 @@ pub use agreement::{Agreement, Coverage};
 pub use masks::silhouette;
 pub use views::{Shaded, Views, views};
 
-use std::time::Instant;
-
 use crate::error::{Error, Note};
-use crate::frame::{Frame, LayerIndex, Layers, Plane};
+use crate::frame::{LayerIndex, Layers, Plane};
 use crate::gl::ShadeModel;
-use crate::lanes::{Isa, Real};
-use crate::math::color::quantize8;
+use crate::render::{Assembled, Counters, Drawn, Options, Picture, Rasterizer, Tracer};
 use crate::scene::Scene;
-use crate::scene::assembly::Assembly;
-use crate::scene::requirements::Model;
 use crate::{raster, trace};
 
 /// Names of the causes in ladder order; cause i is the step from rung i to rung i + 1.
@@ -69,32 +64,13 @@ pub const RUNGS: [&str; 10] = [
     "trace",
 ];
 
-/// How to climb.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// Tessellation level; `None` = the default.
-    pub level: Option<u32>,
-    /// Instruction set of the lanes.
-    pub isa: Isa,
-    /// Only what the scene requires, or everything: the same bytes.
-    pub model: Model,
-    /// Whether the tracer casts shadow rays at all.
-    pub shadows: bool,
-    /// Whether it casts mirror rays.
-    pub reflection: bool,
-    /// Whether it casts transmitted rays.
-    pub refraction: bool,
-}
-
 /// Work and time of one render of the ladder.
 #[derive(Clone, Debug)]
 pub struct Work {
     /// Which rungs it gave.
     pub rungs: &'static str,
-    /// Rasterizer counters, if the rasterizer drew it.
-    pub raster: Option<raster::Counters>,
-    /// Tracer counters, if the tracer drew it.
-    pub trace: Option<trace::Counters>,
+    /// Counters of whoever drew it.
+    pub counters: Counters,
     /// Wall time in seconds.
     pub seconds: f64,
 }
@@ -155,11 +131,12 @@ fn difference(to: &Plane<[f64; 3]>, from: &Plane<[f64; 3]>) -> Plane<[f64; 3]> {
     }
 }
 
-/// Climbs the ladder of a scene in the precision `R`; `progress` hears the name of each step before it starts.
+/// Climbs the ladder of a scene; `progress` hears the name of each step before it starts. `options.geometry` is what rungs 5
+/// to 9 trace: on the rasterizer's triangles the step `tessellation` is 0.
 ///
 /// # Errors
 /// What the renderers refuse: too many triangles, too many rays a pixel.
-pub fn decompose<R: Real>(
+pub fn decompose(
     scene: &Scene,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
@@ -167,8 +144,7 @@ pub fn decompose<R: Real>(
     let (image, lights) = (&scene.image, scene.enabled_lights().count());
     LayerIndex { lights }.check_size(image.width, image.height)?;
     progress("triangles");
-    let assembly = Assembly::<R>::new(scene, options.level)?;
-    assembly.check_range(scene)?;
+    let assembled = Assembled::new(scene, options.level, options.precision)?;
     let mut climb = Climb {
         scene,
         options,
@@ -177,12 +153,14 @@ pub fn decompose<R: Real>(
         rungs: Vec::new(),
         work: Vec::new(),
     };
-    let traced_plan = |geometry| trace::Plan::new(scene, &assembly, geometry, options.model);
-    let rasterized = climb.raster(&raster::Plan::new(scene, &assembly, options.model))?;
+    let model = options.model;
+    let traced_plan = |geometry| Tracer::new(scene, &assembled, geometry, model);
+    let rasterized = climb.raster(&Rasterizer::new(scene, &assembled, model))?;
     let cast = climb.cast_on_triangles(&traced_plan(trace::Geometry::Mesh)?)?;
-    let traced = climb.trace(&traced_plan(trace::Geometry::Exact)?)?;
+    let traced = climb.trace(&traced_plan(options.geometry)?)?;
     progress("agreement");
-    let agreement = agreement::measure(scene, &assembly, options, rasterized.per_fragment, cast)?;
+    let pair = [&rasterized.per_fragment, &cast];
+    let agreement = agreement::measure(scene, &assembled, options, pair)?;
     let mut ladder = Ladder {
         rungs: Vec::new(),
         limited_pixels: 0,
@@ -195,7 +173,7 @@ pub fn decompose<R: Real>(
         trace_layers: traced.layers,
         trace_color: traced.color,
         raster_color: rasterized.color,
-        triangles: assembly.triangles.len(),
+        triangles: assembled.triangles().len(),
         work: climb.work,
     };
     ladder.limited_pixels = limit(&mut climb.rungs);
@@ -205,23 +183,23 @@ pub fn decompose<R: Real>(
 }
 
 /// The plans that the rungs are drawn with.
-pub struct Plans<'p, 'a, R> {
+pub struct Plans<'p, 'a> {
     /// Rungs 0 to 3.
-    pub raster: &'p raster::Plan<'a, R>,
+    pub raster: &'p Rasterizer<'a>,
     /// Rung 4: on the rasterizer's triangles.
-    pub mesh: &'p trace::Plan<'a, R>,
+    pub mesh: &'p Tracer<'a>,
     /// Rungs 5 to 9: on the true shapes.
-    pub exact: &'p trace::Plan<'a, R>,
+    pub exact: &'p Tracer<'a>,
 }
 
 /// The ten values of one pixel, as [`Ladder::rungs`] hold them, and whether one of them had to be limited.
 ///
 /// # Errors
 /// A pixel outside the picture, and what the renderers refuse.
-pub fn rungs_at<R: Real>(
+pub fn rungs_at(
     scene: &Scene,
     options: &Options,
-    plans: &Plans<'_, '_, R>,
+    plans: &Plans<'_, '_>,
     pixel: [u32; 2],
 ) -> Result<([[f64; 3]; 10], bool), Error> {
     let mut climb = Climb {
@@ -254,12 +232,12 @@ fn blend_note(scene: &Scene) -> Option<Note> {
     })
 }
 
-/// What the rasterizer leaves: objects of rung 0, layers and picture of rung 2, and the frame of rung 3.
-struct Rasterized<R> {
+/// What the rasterizer leaves: objects of rung 0, layers and picture of rung 2, and the picture of rung 3.
+struct Rasterized {
     object: Plane<u32>,
     layers: Layers<f32>,
     color: Plane<[f32; 3]>,
-    per_fragment: Frame<R>,
+    per_fragment: Picture,
 }
 
 /// What the tracer leaves: the layers of rung 5, and layers, picture and objects of rung 8.
@@ -283,132 +261,100 @@ struct Climb<'a> {
 
 impl Climb<'_> {
     /// Rungs 0 to 3.
-    fn raster<R: Real>(&mut self, plan: &raster::Plan<'_, R>) -> Result<Rasterized<R>, Error> {
-        let shading = self.scene.raster.shading;
-        let options = |shading, clamp, layers| raster::Options {
-            shading,
-            clamp,
-            layers,
-            isa: self.options.isa,
-        };
-        let clamped = self.draw_raster(plan, "0, 1", &options(shading, true, false))?;
-        self.rungs.push(stored(&clamped.color));
-        self.rungs.push(values(&clamped.color));
-        let unclamped = self.draw_raster(plan, "2", &options(shading, false, true))?;
-        self.rungs.push(values(&unclamped.color));
-        let per_fragment = self.draw_raster(plan, "3", &options(ShadeModel::Phong, false, true))?;
-        self.rungs.push(values(&per_fragment.color));
-        let layers = unclamped
-            .layers
-            .as_ref()
-            .map(Layers::to_f32)
-            .unwrap_or_default();
+    fn raster(&mut self, plan: &Rasterizer<'_>) -> Result<Rasterized, Error> {
+        let (asked, shading) = (self.options, self.scene.raster.shading);
+        let clamped = self.draw_raster(plan, "0, 1", &asked.raster(shading, true, false))?;
+        self.rungs.push(clamped.stored());
+        self.rungs.push(clamped.color_f64());
+        let unclamped = self.draw_raster(plan, "2", &asked.raster(shading, false, true))?;
+        self.rungs.push(unclamped.color_f64());
+        let by_fragment = asked.raster(ShadeModel::Phong, false, true);
+        let per_fragment = self.draw_raster(plan, "3", &by_fragment)?;
+        self.rungs.push(per_fragment.color_f64());
         Ok(Rasterized {
-            object: clamped.object,
-            layers,
+            object: clamped.object().clone(),
+            layers: unclamped.layers_f32().unwrap_or_default(),
             color: unclamped.color_f32(),
             per_fragment,
         })
     }
 
     /// Rung 4.
-    fn cast_on_triangles<R: Real>(&mut self, plan: &trace::Plan<'_, R>) -> Result<Frame<R>, Error> {
-        let cast = trace::Options::cast(self.options.isa);
-        let frame = self.draw_trace(plan, "4", &cast)?;
-        self.rungs.push(values(&frame.color));
-        Ok(frame)
+    fn cast_on_triangles(&mut self, plan: &Tracer<'_>) -> Result<Picture, Error> {
+        let picture = self.draw_trace(plan, "4", &self.options.cast())?;
+        self.rungs.push(picture.color_f64());
+        Ok(picture)
     }
 
     /// Rungs 5 to 9.
-    fn trace<R: Real>(&mut self, plan: &trace::Plan<'_, R>) -> Result<Traced, Error> {
-        let asked = self.options;
+    fn trace(&mut self, plan: &Tracer<'_>) -> Result<Traced, Error> {
         let cast = trace::Options {
             layers: true,
-            ..trace::Options::cast(asked.isa)
+            ..self.options.cast()
         };
         let local = self.draw_trace(plan, "5", &cast)?;
-        self.rungs.push(values(&local.color));
-        let full = trace::Options::of(self.scene, asked.isa);
+        self.rungs.push(local.color_f64());
+        let asked = self.options.trace(self.scene);
         let step = |reflection, refraction, layers| trace::Options {
-            shadows: asked.shadows,
             reflection: reflection && asked.reflection,
             refraction: refraction && asked.refraction,
             layers,
-            ..full
+            ..asked
         };
         let shadowed = self.draw_trace(plan, "6", &step(false, false, false))?;
-        self.rungs.push(values(&shadowed.color));
+        self.rungs.push(shadowed.color_f64());
         let reflected = self.draw_trace(plan, "7", &step(true, false, false))?;
-        self.rungs.push(values(&reflected.color));
+        self.rungs.push(reflected.color_f64());
         let complete = self.draw_trace(plan, "8, 9", &step(true, true, true))?;
-        self.rungs.push(values(&complete.color));
-        self.rungs.push(stored(&complete.color));
-        let layers = |frame: &Frame<R>| {
-            frame
-                .layers
-                .as_ref()
-                .map(Layers::to_f32)
-                .unwrap_or_default()
-        };
+        self.rungs.push(complete.color_f64());
+        self.rungs.push(complete.stored());
         Ok(Traced {
-            local: layers(&local),
-            layers: layers(&complete),
+            local: local.layers_f32().unwrap_or_default(),
+            layers: complete.layers_f32().unwrap_or_default(),
             color: complete.color_f32(),
-            object: complete.object,
+            object: complete.object().clone(),
         })
     }
 
-    fn draw_raster<R: Real>(
+    fn draw_raster(
         &mut self,
-        plan: &raster::Plan<'_, R>,
+        plan: &Rasterizer<'_>,
         rungs: &'static str,
         options: &raster::Options,
-    ) -> Result<Frame<R>, Error> {
+    ) -> Result<Picture, Error> {
         (self.progress)(&format!("rung {rungs}: rasterizer"));
-        if let Some(pixel) = self.pixel {
-            return plan.draw_pixel(options, pixel);
+        match self.pixel {
+            Some(pixel) => plan.draw_pixel(options, pixel),
+            None => Ok(self.note(rungs, plan.draw(options)?)),
         }
-        let start = Instant::now();
-        let (frame, counters) = plan.draw(options)?;
-        let seconds = start.elapsed().as_secs_f64();
-        self.work.push(Work {
-            rungs,
-            raster: Some(counters),
-            trace: None,
-            seconds,
-        });
-        Ok(frame)
     }
 
-    fn draw_trace<R: Real>(
+    fn draw_trace(
         &mut self,
-        plan: &trace::Plan<'_, R>,
+        plan: &Tracer<'_>,
         rungs: &'static str,
         options: &trace::Options,
-    ) -> Result<Frame<R>, Error> {
+    ) -> Result<Picture, Error> {
         (self.progress)(&format!("rung {rungs}: tracer"));
-        if let Some(pixel) = self.pixel {
-            return plan.draw_pixel(options, pixel);
+        match self.pixel {
+            Some(pixel) => plan.draw_pixel(options, pixel),
+            None => Ok(self.note(rungs, draw_layers(plan, self.scene, options)?)),
         }
-        let start = Instant::now();
-        let (frame, counters) = draw_layers(plan, self.scene, options)?;
-        let seconds = start.elapsed().as_secs_f64();
+    }
+
+    /// Notes work and time.
+    fn note(&mut self, rungs: &'static str, drawn: Drawn) -> Picture {
         self.work.push(Work {
             rungs,
-            raster: None,
-            trace: Some(counters),
-            seconds,
+            counters: drawn.counters,
+            seconds: drawn.seconds.render,
         });
-        Ok(frame)
+        drawn.picture
     }
 }
 
 /// Traces; layers come with reflection and refraction split by light, unless that would fill the memory.
-fn draw_layers<R: Real>(
-    plan: &trace::Plan<'_, R>,
-    scene: &Scene,
-    options: &trace::Options,
-) -> Result<(Frame<R>, trace::Counters), Error> {
+fn draw_layers(plan: &Tracer<'_>, scene: &Scene, options: &trace::Options) -> Result<Drawn, Error> {
     let lights = scene.enabled_lights().count();
     let mut optics = scene.materials.iter().map(|material| &material.optics);
     let bounces = optics.any(|o| o.is_mirror() || o.is_transmissive()) && options.depth > 0;
@@ -418,16 +364,6 @@ fn draw_layers<R: Real>(
     } else {
         plan.draw(options)
     }
-}
-
-/// The float values of a picture.
-fn values<R: Real>(color: &Plane<[R; 3]>) -> Plane<[f64; 3]> {
-    color.map(|c| c.map(Real::to_f64))
-}
-
-/// The values that an 8-bit file holds.
-fn stored<R: Real>(color: &Plane<[R; 3]>) -> Plane<[f64; 3]> {
-    color.map(|c| c.map(|x| f64::from(quantize8(x)) / 255.0))
 }
 
 /// 2^32: rungs hold multiples of its inverse.

@@ -3,14 +3,13 @@
 //! They change nothing about the causes. They are what a reader who switches terms on and off needs: the ladder's layers
 //! hold reflection and refraction with shadows in what they show, and these hold the same light unblocked.
 
-use super::{Ladder, Options};
+use super::Ladder;
 use crate::error::Error;
-use crate::frame::{Frame, LayerIndex, Layers, Plane};
+use crate::frame::{LayerIndex, Layers, Plane};
 use crate::gl::ShadeModel;
-use crate::lanes::Real;
+use crate::render::{Assembled, Options, Rasterizer, Tracer};
 use crate::scene::Scene;
-use crate::scene::assembly::Assembly;
-use crate::{raster, trace};
+use crate::trace;
 
 /// The rasterizer's picture in one shade model.
 #[derive(Clone, Debug)]
@@ -33,19 +32,19 @@ pub struct Views {
     pub unshadowed: Option<Layers<f32>>,
 }
 
-/// Draws them in the precision `R`.
+/// Draws them.
 ///
 /// # Errors
 /// What the renderers refuse, as for [`super::decompose`].
-pub fn views<R: Real>(
+pub fn views(
     scene: &Scene,
     options: &Options,
     ladder: &Ladder,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Views, Error> {
     progress("shade models, and light without shadows");
-    let assembly = Assembly::<R>::new(scene, options.level)?;
-    let plan = raster::Plan::new(scene, &assembly, options.model);
+    let assembled = Assembled::new(scene, options.level, options.precision)?;
+    let plan = Rasterizer::new(scene, &assembled, options.model);
     let models = [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong];
     let shadings = models.map(|shading| shaded(&plan, shading, options));
     let bounced = LayerIndex {
@@ -54,7 +53,7 @@ pub fn views<R: Real>(
     let bounces = [bounced.reflection(), bounced.refraction()]
         .into_iter()
         .any(|layer| !is_zero(&ladder.trace_layers.planes[layer]));
-    let unshadowed = (options.shadows && bounces).then(|| unblocked(scene, &assembly, options));
+    let unshadowed = (options.shadows && bounces).then(|| unblocked(scene, &assembled, options));
     Ok(Views {
         shadings: shadings.into_iter().collect::<Result<_, _>>()?,
         unshadowed: unshadowed.transpose()?,
@@ -66,25 +65,14 @@ fn is_zero(plane: &Plane<[f32; 3]>) -> bool {
 }
 
 /// One shade model with GL's clamps, and where they mattered.
-fn shaded<R: Real>(
-    plan: &raster::Plan<'_, R>,
-    shading: ShadeModel,
-    options: &Options,
-) -> Result<Shaded, Error> {
-    let draw = |clamp| {
-        let options = raster::Options {
-            shading,
-            clamp,
-            layers: false,
-            isa: options.isa,
-        };
-        plan.draw(&options).map(|(frame, _)| frame)
-    };
-    let (clamped, free): (Frame<R>, Frame<R>) = (draw(true)?, draw(false)?);
-    let pairs = clamped.color.data.iter().zip(&free.color.data);
+fn shaded(plan: &Rasterizer<'_>, shading: ShadeModel, options: &Options) -> Result<Shaded, Error> {
+    let draw = |clamp| plan.draw(&options.raster(shading, clamp, false));
+    let (clamped, free) = (draw(true)?.picture, draw(false)?.picture);
+    let (a, b) = (clamped.color_f64(), free.color_f64());
+    let pairs = a.data.iter().zip(&b.data);
     let lost = Plane {
-        width: clamped.color.width,
-        height: clamped.color.height,
+        width: a.width,
+        height: a.height,
         data: pairs.map(|(a, b)| a != b).collect(),
     };
     Ok(Shaded {
@@ -95,25 +83,19 @@ fn shaded<R: Real>(
 }
 
 /// The layers of rung 8 without S_L.
-fn unblocked<R: Real>(
+fn unblocked(
     scene: &Scene,
-    assembly: &Assembly<R>,
+    assembled: &Assembled,
     options: &Options,
 ) -> Result<Layers<f32>, Error> {
-    let plan = trace::Plan::new(scene, assembly, trace::Geometry::Exact, options.model)?;
+    let plan = Tracer::new(scene, assembled, options.geometry, options.model)?;
     let asked = trace::Options {
         shadows: false,
-        reflection: options.reflection,
-        refraction: options.refraction,
         layers: true,
-        ..trace::Options::of(scene, options.isa)
+        ..options.trace(scene)
     };
-    let frame = super::draw_layers(&plan, scene, &asked)?.0;
-    Ok(frame
-        .layers
-        .as_ref()
-        .map(Layers::to_f32)
-        .unwrap_or_default())
+    let drawn = super::draw_layers(&plan, scene, &asked)?;
+    Ok(drawn.picture.layers_f32().unwrap_or_default())
 }
 
 #[cfg(test)]
@@ -121,8 +103,6 @@ mod tests {
     use super::*;
     use crate::decompose::decompose;
     use crate::import::{LoadOptions, load};
-    use crate::lanes::Isa;
-    use crate::scene::requirements::Model;
 
     fn scene(samples: u32) -> Scene {
         let mut scene = load("whitted", &LoadOptions::default())
@@ -136,15 +116,11 @@ mod tests {
     fn draw(scene: &Scene) -> (Ladder, Views) {
         let options = Options {
             level: Some(16),
-            isa: Isa::detect(),
-            model: Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
+            ..Options::default()
         };
         let quiet = |_: &str| {};
-        let ladder = decompose::<f32>(scene, &options, &quiet).expect("climbs");
-        let views = views::<f32>(scene, &options, &ladder, &quiet).expect("draws");
+        let ladder = decompose(scene, &options, &quiet).expect("climbs");
+        let views = views(scene, &options, &ladder, &quiet).expect("draws");
         (ladder, views)
     }
 

@@ -1,22 +1,21 @@
 //! The equation at one point: terms with the factors that made them, in world space.
 
 use super::value::{Coefficients, Factors, Hit, Light, LightTerms, Terms, Vector};
-use super::wide;
 use crate::frame::LayerIndex;
 use crate::gl::{self, SpecularModel};
-use crate::lanes::Real;
-use crate::lighting::{Points, Rig};
+use crate::lighting::Points;
 use crate::math::color::Rgb;
 use crate::math::{DMat3, DVec3};
+use crate::render::{Precision, Tracer};
 use crate::scene::Scene;
 use crate::trace::Lamp;
 use crate::trace::record::ShadowRecord;
 
 /// What is common to all points of a scene.
-pub(super) struct Local<'p, R> {
+pub(super) struct Local<'p> {
     pub(super) scene: &'p Scene,
-    pub(super) rig: &'p Rig<R>,
-    pub(super) lamps: &'p [Lamp],
+    pub(super) precision: Precision,
+    pub(super) tracer: &'p Tracer<'p>,
     pub(super) world_from_eye: DMat3,
     /// The tracer casts shadow rays.
     pub(super) shadows: bool,
@@ -30,10 +29,15 @@ pub(super) enum Shadows<'r> {
     Cast(&'r [(usize, ShadowRecord)]),
 }
 
-impl<R: Real> Local<'_, R> {
+impl Local<'_> {
+    /// The background as the renderers hold it.
+    pub(super) fn background(&self) -> Rgb {
+        self.scene.background().map(|x| self.precision.round(x))
+    }
+
     /// The enabled lights.
     pub(super) fn sources(&self) -> Vec<Light> {
-        let pairs = self.scene.enabled_lights().zip(self.lamps);
+        let pairs = self.scene.enabled_lights().zip(self.tracer.lamps());
         pairs
             .map(|(light, lamp)| Light {
                 name: light.name.clone(),
@@ -56,12 +60,12 @@ impl<R: Real> Local<'_, R> {
     }
 
     /// The terms of values in the order of the layers, without factors.
-    pub(super) fn sums(&self, values: &[[R; 3]]) -> Terms {
+    pub(super) fn sums(&self, values: &[[f64; 3]]) -> Terms {
         let lights = self.scene.enabled_lights();
         let index = LayerIndex {
-            lights: self.lamps.len(),
+            lights: self.tracer.lamps().len(),
         };
-        let at = |i: usize| values.get(i).map_or([0.0; 3], |v| wide(*v));
+        let at = |i: usize| values.get(i).copied().unwrap_or_default();
         Terms {
             emission: at(LayerIndex::EMISSION),
             ambient: at(LayerIndex::AMBIENT),
@@ -84,12 +88,12 @@ impl<R: Real> Local<'_, R> {
     pub(super) fn terms(
         &self,
         material: &gl::Material,
-        point: &Points<R>,
-        values: &[[R; 3]],
+        point: &Points<f64>,
+        values: &[[f64; 3]],
         shadows: &Shadows<'_>,
     ) -> Terms {
         let mut terms = self.sums(values);
-        let color = |k: usize| point.color[k].first().map_or(1.0, |x| x.to_f64());
+        let color = |k: usize| point.color[k].first().copied().unwrap_or(1.0);
         let material = material.with_color([color(0), color(1), color(2), 1.0]);
         terms.material = Some(Coefficients {
             emission: material.emission,
@@ -104,18 +108,18 @@ impl<R: Real> Local<'_, R> {
         terms
     }
 
-    fn factors(&self, light: usize, point: &Points<R>, shadows: &Shadows<'_>) -> Factors {
-        let seen = self.rig.anatomy(light, point, 0);
-        let highlight = seen.highlight.to_f64();
+    fn factors(&self, light: usize, point: &Points<f64>, shadows: &Shadows<'_>) -> Factors {
+        let seen = self.tracer.anatomy(light, point);
+        let highlight = seen.highlight;
         let half = self.scene.light_model.specular_model == SpecularModel::HalfVector;
         let mut factors = Factors {
             to_light: self.direction(seen.to_light),
-            distance: seen.distance.to_f64(),
-            n_dot_l: seen.n_dot_l.to_f64(),
+            distance: seen.distance,
+            n_dot_l: seen.n_dot_l,
             n_dot_h: half.then_some(highlight),
             v_dot_r: (!half).then_some(highlight),
-            attenuation: seen.attenuation.to_f64(),
-            spot: seen.spot.to_f64(),
+            attenuation: seen.attenuation,
+            spot: seen.spot,
             ..Factors::default()
         };
         match shadows {
@@ -150,17 +154,17 @@ impl<R: Real> Local<'_, R> {
     }
 
     /// An eye-space direction in world space.
-    pub(super) fn direction(&self, v: [R; 3]) -> Vector {
-        (self.world_from_eye * DVec3::from_array(wide(v))).to_array()
+    pub(super) fn direction(&self, v: Vector) -> Vector {
+        (self.world_from_eye * DVec3::from_array(v)).to_array()
     }
 
     /// An eye-space point in world space.
-    pub(super) fn place(&self, p: [R; 3]) -> Vector {
-        (self.scene.camera.eye + self.world_from_eye * DVec3::from_array(wide(p))).to_array()
+    pub(super) fn place(&self, p: Vector) -> Vector {
+        (self.scene.camera.eye + self.world_from_eye * DVec3::from_array(p)).to_array()
     }
 
     /// The normal of a lit point, world space.
-    pub(super) fn normal(&self, point: &Points<R>) -> Vector {
+    pub(super) fn normal(&self, point: &Points<f64>) -> Vector {
         self.direction(first(&point.normal))
     }
 
@@ -203,8 +207,8 @@ pub(super) fn angle_deg(direction: DVec3, normal: DVec3) -> f64 {
 }
 
 /// The only point of three lists.
-pub(super) fn first<R: Real>(lists: &[Vec<R>; 3]) -> [R; 3] {
-    [0, 1, 2].map(|k: usize| lists[k].first().copied().unwrap_or(R::ZERO))
+pub(super) fn first(lists: &[Vec<f64>; 3]) -> Vector {
+    [0, 1, 2].map(|k: usize| lists[k].first().copied().unwrap_or(0.0))
 }
 
 /// The sum of local terms as far as f64 goes; for rays whose own colour no picture holds.

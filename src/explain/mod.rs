@@ -19,7 +19,7 @@
 //! about what seven renders of one pixel cost.
 //!
 //! ```
-//! use rastray::{explain::{Options, Setting}, import};
+//! use rastray::{explain::Setting, import, render::Options};
 //! let mut scene = import::load("two-sided", &import::LoadOptions::default()).unwrap().scene;
 //! (scene.image.width, scene.image.height) = (64, 48);
 //! let setting = Setting::new(&scene, Options::default()).unwrap();
@@ -42,80 +42,32 @@ pub use value::{
 use crate::decompose::{self, CAUSES, rungs_at};
 use crate::error::Error;
 use crate::gl::SpecularModel;
-use crate::lanes::{Isa, Real};
-use crate::math::color::Rgb;
-use crate::scene::assembly::Assembly;
+use crate::math::color::{Rgb, quantize8};
+use crate::render::{Assembled, Options, Precision, Rasterizer, Tracer};
 use crate::scene::requirements::Model;
 use crate::scene::{Geometry, Scene};
-use crate::{raster, sampling, trace};
+use crate::{sampling, trace};
 use local::Local;
-
-/// Precision of both renderers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// 32-bit floats.
-    #[default]
-    F32,
-    /// 64-bit floats, the whole path.
-    F64,
-}
-
-/// What changes the pictures beside the scene itself: its size, samples, shading, depth and snap are the scene's.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// Tessellation, model and which rays the tracer casts.
-    pub ladder: decompose::Options,
-    /// Precision.
-    pub precision: Precision,
-    /// What the tracer traces; on the rasterizer's triangles the ladder's step `tessellation` is 0.
-    pub geometry: trace::Geometry,
-}
-
-impl Default for Options {
-    /// What `render` and `compare` do without flags.
-    fn default() -> Self {
-        Self {
-            ladder: decompose::Options {
-                level: None,
-                isa: Isa::detect(),
-                model: Model::Required,
-                shadows: true,
-                reflection: true,
-                refraction: true,
-            },
-            precision: Precision::F32,
-            geometry: trace::Geometry::Exact,
-        }
-    }
-}
 
 /// A scene with its triangles: what an [`Explainer`] borrows.
 pub struct Setting<'a> {
     scene: &'a Scene,
     options: Options,
-    triangles: Triangles,
-}
-
-enum Triangles {
-    F32(Assembly<f32>),
-    F64(Assembly<f64>),
+    assembled: Assembled,
 }
 
 impl<'a> Setting<'a> {
-    /// Assembles the triangles of a scene.
+    /// Assembles the triangles of a scene. What changes the pictures beside the options is the scene's own: its size, samples,
+    /// shading, depth and snap. On the rasterizer's triangles (`options.geometry`) the ladder's step `tessellation` is 0.
     ///
     /// # Errors
     /// What the renderers refuse: too many triangles, places beyond the precision.
     pub fn new(scene: &'a Scene, options: Options) -> Result<Self, Error> {
-        let level = options.ladder.level;
-        let triangles = match options.precision {
-            Precision::F32 => Triangles::F32(assemble(scene, level)?),
-            Precision::F64 => Triangles::F64(assemble(scene, level)?),
-        };
+        let assembled = Assembled::new(scene, options.level, options.precision)?;
         Ok(Self {
             scene,
             options,
-            triangles,
+            assembled,
         })
     }
 
@@ -124,30 +76,32 @@ impl<'a> Setting<'a> {
     /// # Errors
     /// A picture without pixels.
     pub fn explainer(&self) -> Result<Explainer<'_>, Error> {
-        let (scene, options) = (self.scene, &self.options);
+        let (scene, options, assembled) = (self.scene, &self.options, &self.assembled);
+        // Factors are shown even where their product is 0; the colours are the same bits.
+        let model = Model::Full;
+        let plan = |geometry| Tracer::new(scene, assembled, geometry, model);
+        let shapes = |o: &crate::scene::Object| matches!(o.geometry, Geometry::Shape(_));
+        let apart = options.geometry == trace::Geometry::Exact && scene.objects.iter().any(shapes);
         Ok(Explainer {
-            bench: match &self.triangles {
-                Triangles::F32(triangles) => Bench::F32(Plans::new(scene, triangles, options)?),
-                Triangles::F64(triangles) => Bench::F64(Plans::new(scene, triangles, options)?),
-            },
+            scene,
+            options,
+            assembled,
+            raster: Rasterizer::new(scene, assembled, model),
+            mesh: apart.then(|| plan(trace::Geometry::Mesh)).transpose()?,
+            traced: plan(options.geometry)?,
         })
     }
 }
 
-fn assemble<R: Real>(scene: &Scene, level: Option<u32>) -> Result<Assembly<R>, Error> {
-    let assembly = Assembly::new(scene, level)?;
-    assembly.check_range(scene)?;
-    Ok(assembly)
-}
-
-/// Explains pixels of one scene; several threads may ask at once.
+/// Explains pixels of one scene: both renderers, planned. Several threads may ask at once.
 pub struct Explainer<'a> {
-    bench: Bench<'a>,
-}
-
-enum Bench<'a> {
-    F32(Plans<'a, f32>),
-    F64(Plans<'a, f64>),
+    scene: &'a Scene,
+    options: &'a Options,
+    assembled: &'a Assembled,
+    raster: Rasterizer<'a>,
+    /// The tracer on the rasterizer's triangles; `None` where that is what `traced` traces.
+    mesh: Option<Tracer<'a>>,
+    traced: Tracer<'a>,
 }
 
 impl Explainer<'_> {
@@ -156,89 +110,29 @@ impl Explainer<'_> {
     /// # Errors
     /// [`Error::Parameter`] outside the picture, and what the renderers refuse.
     pub fn at(&self, x: u32, y: u32) -> Result<Explanation, Error> {
-        match &self.bench {
-            Bench::F32(plans) => plans.explain([x, y]),
-            Bench::F64(plans) => plans.explain([x, y]),
-        }
-    }
-
-    /// Explains what a ray of the caller's brings back: world space, a direction of any length but zero. It is seen along
-    /// itself, starts in the media around its origin, and knows no near and far plane.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for numbers that make no ray, and what the tracer refuses.
-    pub fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
-        let finite = |v: Vector| v.iter().all(|x| x.is_finite());
-        if !finite(origin) || !finite(direction) || direction == [0.0; 3] {
-            let message = format!(
-                "from {origin:?} along {direction:?}: expected finite numbers and a direction that is not zero"
-            );
-            return Err(Error::parameter("ray", message));
-        }
-        match &self.bench {
-            Bench::F32(plans) => plans.along(origin, direction),
-            Bench::F64(plans) => plans.along(origin, direction),
-        }
-    }
-}
-
-/// Both renderers, planned.
-struct Plans<'a, R> {
-    scene: &'a Scene,
-    options: &'a Options,
-    assembly: &'a Assembly<R>,
-    raster: raster::Plan<'a, R>,
-    /// The tracer on the rasterizer's triangles; `None` where that is what `traced` traces.
-    mesh: Option<trace::Plan<'a, R>>,
-    traced: trace::Plan<'a, R>,
-}
-
-impl<'a, R: Real> Plans<'a, R> {
-    fn new(
-        scene: &'a Scene,
-        assembly: &'a Assembly<R>,
-        options: &'a Options,
-    ) -> Result<Self, Error> {
-        // Factors are shown even where their product is 0; the colours are the same bits.
-        let model = Model::Full;
-        let plan = |geometry| trace::Plan::new(scene, assembly, geometry, model);
-        let shapes = |o: &crate::scene::Object| matches!(o.geometry, Geometry::Shape(_));
-        let apart = options.geometry == trace::Geometry::Exact && scene.objects.iter().any(shapes);
-        Ok(Self {
-            scene,
-            options,
-            assembly,
-            raster: raster::Plan::new(scene, assembly, model),
-            mesh: apart.then(|| plan(trace::Geometry::Mesh)).transpose()?,
-            traced: plan(options.geometry)?,
-        })
-    }
-
-    fn explain(&self, pixel: [u32; 2]) -> Result<Explanation, Error> {
+        let pixel = [x, y];
         let plans = decompose::Plans {
             raster: &self.raster,
             mesh: self.mesh.as_ref().unwrap_or(&self.traced),
             exact: &self.traced,
         };
-        let (rungs, limited) = rungs_at(self.scene, &self.options.ladder, &plans, pixel)?;
+        let (rungs, limited) = rungs_at(self.scene, self.options, &plans, pixel)?;
         let stored = |rung: Rgb| rung.map(|x| (x * 255.0).round() as u8);
         let (shown, places) = samples(self.scene, pixel);
         let rastered = self.raster_record(pixel, shown)?;
-        let traced = self
-            .traced
-            .record_pixel(&self.trace_options(), pixel, shown)?;
+        let asked = self.options.trace(self.scene);
+        let traced = self.traced.record_pixel(&asked, pixel, shown)?;
         let place = [0, 1].map(|k| f64::from(pixel[k]) + places[shown as usize][k]);
-        let local = self.local(&self.traced);
+        let local = self.local();
         let samples = (places.len() > 1).then(|| Samples {
             shown: shown as usize,
             places,
-            raster: rastered.samples.iter().map(|c| wide(*c)).collect(),
-            trace: traced.samples.iter().map(|(c, _)| wide(*c)).collect(),
+            raster: rastered.samples.clone(),
+            trace: traced.samples.iter().map(|(c, _)| *c).collect(),
         });
         let raster = self.raster_side(&rastered, place, stored(rungs[0]));
-        let mean: [R; 3] = mean(&traced.samples, |(color, _)| *color);
         let trace = Trace {
-            color: wide(mean),
+            color: traced.color,
             stored: stored(rungs[9]),
             rays: tree::rays(&local, &traced, self.scene.trace.depth),
         };
@@ -247,7 +141,7 @@ impl<'a, R: Real> Plans<'a, R> {
             scene: self.scene.name.clone(),
             pixel,
             size: [self.scene.image.width, self.scene.image.height],
-            precision: R::NAME,
+            precision: self.options.precision.name(),
             specular_model: match light_model.specular_model {
                 SpecularModel::HalfVector => "half-vector",
                 SpecularModel::Reflection => "reflection",
@@ -264,36 +158,45 @@ impl<'a, R: Real> Plans<'a, R> {
         })
     }
 
-    fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
+    /// Explains what a ray of the caller's brings back: world space, a direction of any length but zero. It is seen along
+    /// itself, starts in the media around its origin, and knows no near and far plane.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for numbers that make no ray, and what the tracer refuses.
+    pub fn along(&self, origin: Vector, direction: Vector) -> Result<Trace, Error> {
+        let finite = |v: Vector| v.iter().all(|x| x.is_finite());
+        if !finite(origin) || !finite(direction) || direction == [0.0; 3] {
+            let message = format!(
+                "from {origin:?} along {direction:?}: expected finite numbers and a direction that is not zero"
+            );
+            return Err(Error::parameter("ray", message));
+        }
         let ray = trace::ray::Ray::new(origin.into(), direction.into());
-        let record = self.traced.record_ray(&self.trace_options(), &ray)?;
-        let local = self.local(&self.traced);
-        let color: [R; 3] = mean(&record.samples, |(color, _)| *color);
+        let asked = self.options.trace(self.scene);
+        let record = self.traced.record_ray(&asked, &ray)?;
         Ok(Trace {
-            color: wide(color),
-            stored: color.map(crate::math::color::quantize8),
-            rays: tree::rays(&local, &record, self.scene.trace.depth),
+            color: record.color,
+            stored: quantized(self.options.precision, record.color),
+            rays: tree::rays(&self.local(), &record, self.scene.trace.depth),
         })
     }
 
-    fn trace_options(&self) -> trace::Options {
-        let ladder = &self.options.ladder;
-        trace::Options {
-            shadows: ladder.shadows,
-            reflection: ladder.reflection,
-            refraction: ladder.refraction,
-            ..trace::Options::of(self.scene, ladder.isa)
-        }
-    }
-
-    fn local<'p>(&'p self, plan: &'p trace::Plan<'a, R>) -> Local<'p, R> {
+    fn local(&self) -> Local<'_> {
         Local {
             scene: self.scene,
-            rig: plan.rig(),
-            lamps: plan.lamps(),
+            precision: self.options.precision,
+            tracer: &self.traced,
             world_from_eye: self.scene.camera.eye_from_world_rotation().transpose(),
-            shadows: self.options.ladder.shadows,
+            shadows: self.options.shadows,
         }
+    }
+}
+
+/// Eight bits a channel, rounded in the precision of the render.
+fn quantized(precision: Precision, color: Rgb) -> [u8; 3] {
+    match precision {
+        Precision::F32 => color.map(|x| quantize8(x as f32)),
+        Precision::F64 => color.map(quantize8),
     }
 }
 
@@ -326,24 +229,6 @@ fn samples(scene: &Scene, [x, y]: [u32; 2]) -> (u32, Vec<[f64; 2]>) {
         }
     });
     (nearest as u32, places)
-}
-
-/// The pixel of the picture: its only sample, or the mean as both renderers take it.
-fn mean<R: Real, T>(samples: &[T], color: impl Fn(&T) -> [R; 3]) -> [R; 3] {
-    if let [one] = samples {
-        return color(one);
-    }
-    let mut sum = [0.0; 3];
-    for sample in samples {
-        for (sum, x) in sum.iter_mut().zip(color(sample)) {
-            *sum += x.to_f64();
-        }
-    }
-    sampling::resolve(sum, samples.len() as u32)
-}
-
-fn wide<R: Real>(color: [R; 3]) -> Rgb {
-    color.map(Real::to_f64)
 }
 
 fn less(a: Rgb, b: Rgb) -> Rgb {

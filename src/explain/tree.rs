@@ -2,14 +2,12 @@
 
 use super::local::{Local, Place, Shadows, angle_deg, local_sum};
 use super::value::{Hit, Kind, Ray, Reflection, Refraction};
-use super::wide;
-use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::math::color::Rgb;
 use crate::trace::record::{self, ForkRecord, Meeting, Record, Traced};
 
 /// The rays of the kept sample, in the order of the record.
-pub(super) fn rays<R: Real>(local: &Local<'_, R>, record: &Record<R>, depth: u32) -> Vec<Ray> {
+pub(super) fn rays(local: &Local<'_>, record: &Record<f64>, depth: u32) -> Vec<Ray> {
     let mut rays: Vec<Ray> = Vec::with_capacity(record.rays.len());
     for traced in &record.rays {
         let generation = traced.parent.map_or(0, |p| rays[p].generation + 1);
@@ -19,19 +17,19 @@ pub(super) fn rays<R: Real>(local: &Local<'_, R>, record: &Record<R>, depth: u32
     let kept = record.kept();
     if let (Some(root), Some((color, [mirrored, passed]))) = (rays.first_mut(), kept) {
         // What the picture holds, instead of the same sum in f64.
-        root.color = wide(*color);
+        root.color = *color;
         root.contribution = root.color;
         if let Some(reflection) = &mut root.reflection {
-            reflection.contribution = wide(*mirrored);
+            reflection.contribution = *mirrored;
         }
         if let Some(refraction) = &mut root.refraction {
-            refraction.contribution = wide(*passed);
+            refraction.contribution = *passed;
         }
     }
     rays
 }
 
-fn ray<R: Real>(local: &Local<'_, R>, traced: &Traced<R>, generation: u32, depth: u32) -> Ray {
+fn ray(local: &Local<'_>, traced: &Traced<f64>, generation: u32, depth: u32) -> Ray {
     let mut ray = Ray {
         kind: match traced.kind {
             record::Kind::Primary => Kind::Primary,
@@ -54,7 +52,7 @@ fn ray<R: Real>(local: &Local<'_, R>, traced: &Traced<R>, generation: u32, depth
         depth_reached: false,
     };
     let Some(meeting) = &traced.meeting else {
-        ray.terms.emission = wide(local.scene.background().map(R::from_f64));
+        ray.terms.emission = local.background();
         return ray;
     };
     let scene = local.scene;
@@ -76,7 +74,7 @@ fn ray<R: Real>(local: &Local<'_, R>, traced: &Traced<R>, generation: u32, depth
     ray
 }
 
-fn hit<R: Real>(local: &Local<'_, R>, traced: &Traced<R>, meeting: &Meeting<R>) -> Hit {
+fn hit(local: &Local<'_>, traced: &Traced<f64>, meeting: &Meeting<f64>) -> Hit {
     let normal = local.normal(&meeting.point);
     let normal = if normal == [0.0; 3] {
         meeting.foot.normal.to_array()
@@ -96,7 +94,7 @@ fn hit<R: Real>(local: &Local<'_, R>, traced: &Traced<R>, meeting: &Meeting<R>) 
     })
 }
 
-fn branches<R: Real>(local: &Local<'_, R>, meeting: &Meeting<R>, fork: &ForkRecord, ray: &mut Ray) {
+fn branches(local: &Local<'_>, meeting: &Meeting<f64>, fork: &ForkRecord, ray: &mut Ray) {
     let black = [0.0; 3];
     ray.reflection = (fork.mirror != black).then_some(Reflection {
         weight: fork.mirror,

@@ -44,6 +44,20 @@ pub struct Anatomy<R> {
     pub spot: R,
 }
 
+impl<R: Real> Anatomy<R> {
+    /// The same factors in f64, exact.
+    pub fn to_f64(&self) -> Anatomy<f64> {
+        Anatomy {
+            to_light: self.to_light.map(Real::to_f64),
+            distance: self.distance.to_f64(),
+            n_dot_l: self.n_dot_l.to_f64(),
+            highlight: self.highlight.to_f64(),
+            attenuation: self.attenuation.to_f64(),
+            spot: self.spot.to_f64(),
+        }
+    }
+}
+
 impl<R: Real> Rig<R> {
     /// The factors of a light at one point of a list.
     pub fn anatomy(&self, light: usize, points: &Points<R>, point: usize) -> Anatomy<R> {

@@ -112,6 +112,18 @@ pub struct Points<R> {
 }
 
 impl<R: Real> Points<R> {
+    /// The same points in another precision: exact where it is wider, rounded once where it is not.
+    pub fn convert<T: Real>(&self) -> Points<T> {
+        let list = |list: &Vec<R>| list.iter().map(|x| T::from_f64(x.to_f64())).collect();
+        let lists = |lists: &[Vec<R>; 3]| [list(&lists[0]), list(&lists[1]), list(&lists[2])];
+        Points {
+            position: lists(&self.position),
+            normal: lists(&self.normal),
+            normal_length: list(&self.normal_length),
+            to_viewer: lists(&self.to_viewer),
+            color: lists(&self.color),
+        }
+    }
     /// How many points.
     pub fn len(&self) -> usize {
         self.position[0].len()

@@ -16,8 +16,7 @@ use serde::Serialize;
 use super::opengl::Picture;
 use crate::frame::{Frame, NONE};
 use crate::gl::ShadeModel;
-use crate::lanes::Real;
-use crate::raster;
+use crate::render::Rasterizer;
 use crate::scene::Scene;
 
 /// Difference of two window depths below which either may win: GL interpolates them in f32 (the bar that recorded pictures
@@ -29,13 +28,13 @@ pub const SAME: f64 = 5e-5;
 const LISTED: usize = 32;
 
 /// Both pictures, and what decides how they are judged.
-pub struct Pair<'a, R> {
+pub struct Pair<'a> {
     /// The scene, one sample a pixel at its centre.
     pub scene: &'a Scene,
     /// The rasterizer's plan of it.
-    pub plan: &'a raster::Plan<'a, R>,
-    /// The rasterizer's picture.
-    pub ours: &'a Frame<R>,
+    pub plan: &'a Rasterizer<'a>,
+    /// The rasterizer's picture, exact in f64 whatever drew it.
+    pub ours: &'a Frame<f64>,
     /// The peer's picture.
     pub peer: &'a Picture,
     /// Where both lit.
@@ -137,7 +136,7 @@ pub struct Agreement {
 
 impl Agreement {
     /// Compares a pair of pictures.
-    pub fn of<R: Real>(pair: &Pair<'_, R>) -> Self {
+    pub fn of(pair: &Pair<'_>) -> Self {
         let (ours, theirs) = (&pair.ours.primitive, &pair.peer.primitive);
         let edges = [ours, theirs].map(|p| pair.plan.near_edge(p, pair.edge_px));
         let jumps = pair.plan.near_jump(ours, pair.shading);
@@ -205,12 +204,12 @@ impl Colors {
     }
 }
 
-impl<R: Real> Pair<'_, R> {
+impl Pair<'_> {
     /// Largest error of a pixel's channels. Equal infinities agree; a number and none do not.
     fn error(&self, pixel: usize) -> f64 {
         let (a, b) = (self.ours.color.data[pixel], self.peer.color.data[pixel]);
         let errors = [0, 1, 2].map(|c| {
-            let (a, b) = (a[c].to_f64(), f64::from(b[c]));
+            let (a, b) = (a[c], f64::from(b[c]));
             match (a - b).abs() / a.abs().max(b.abs()).max(1.0) {
                 _ if a == b => 0.0,
                 error if error.is_nan() => f64::INFINITY,
@@ -236,7 +235,9 @@ impl<R: Real> Pair<'_, R> {
 
     /// Differences of the window depths under the peer's projection, whatever its form.
     fn depth_errors(&self) -> Vec<f64> {
-        let ours = self.plan.window_depth_under(&self.peer.camera, self.ours);
+        let ours = self
+            .plan
+            .window_depth_under(&self.peer.camera, &self.ours.primitive);
         let theirs = &self.peer.window_depth.data;
         let pairs = ours.data.iter().zip(theirs);
         pairs.map(|(a, b)| (a - f64::from(*b)).abs()).collect()

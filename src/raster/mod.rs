@@ -305,8 +305,10 @@ impl<'a, R: Real> Plan<'a, R> {
             ..*options
         };
         let record = Some(Box::new(Record::new(keep)));
-        let (_, record) = self.pixel(&options, pixel, record)?;
-        Ok(record.map(|record| *record).unwrap_or_default())
+        let (frame, record) = self.pixel(&options, pixel, record)?;
+        let mut record = record.map(|record| *record).unwrap_or_default();
+        record.color = frame.color.data[0];
+        Ok(record)
     }
 
     fn pixel(
@@ -335,6 +337,11 @@ impl<'a, R: Real> Plan<'a, R> {
             let names = self.scene.light_names();
             Layers::zero(&names, width, height, mode.signed)
         })
+    }
+
+    /// How many triangles the scene has.
+    pub fn triangles(&self) -> usize {
+        self.assembly.triangles.len()
     }
 
     /// The lights of the equation, resolved.

@@ -6,6 +6,7 @@ use super::Plan;
 use super::attribute::mix3;
 use super::lit::Lit;
 use super::shade::Fragment;
+use crate::frame::remainder;
 use crate::gl::ShadeModel;
 use crate::lanes::Real;
 use crate::lighting::{Batch, Points};
@@ -13,6 +14,8 @@ use crate::lighting::{Batch, Points};
 /// A pixel's samples, and what one of them shows.
 #[derive(Clone, Debug, Default)]
 pub struct Record<R> {
+    /// Colour of the pixel.
+    pub color: [R; 3],
     /// Colour of each sample.
     pub samples: Vec<[R; 3]>,
     /// What the kept sample shows: the opaque surface, if there is one, then what is blended over it, in order.
@@ -41,6 +44,8 @@ pub struct Seen<R> {
     pub color: [R; 3],
     /// Its terms, as interpolated.
     pub terms: Vec<[R; 3]>,
+    /// What closes the sum of its terms to its colour (`frame::remainder`).
+    pub remainder: [R; 3],
     /// Where the equation was asked: three vertices (Gouraud), the provoking one (flat), or the fragment itself.
     pub points: Vec<LitPoint<R>>,
 }
@@ -104,20 +109,33 @@ impl<R: Real> Record<R> {
             let points = numbers.iter().map(|n| self.points[*n as usize].clone());
             let corners = plan.assembly.triangles[primitive as usize];
             let place = |v: u32| plan.assembly.vertex_eye(v);
+            let color = fragment.pick(shading, &lit.color);
+            let terms = lit.layers.iter().map(|l| fragment.pick(shading, l));
+            let terms: Vec<[R; 3]> = terms.collect();
+            let signed = plan.scene.has_negative_colors();
             self.surfaces.push(Seen {
                 primitive,
                 surface,
                 weights: fragment.weights,
                 alpha: alphas.get(i).copied(),
                 position_eye: mix3(fragment.weights, corners.map(place)),
-                color: fragment.pick(shading, &lit.color),
-                terms: lit
-                    .layers
-                    .iter()
-                    .map(|l| fragment.pick(shading, l))
-                    .collect(),
+                color,
+                remainder: remainder(color, terms.iter().copied(), signed),
+                terms,
                 points: points.flatten().collect(),
             });
+        }
+    }
+
+    /// The same record in f64, exact.
+    pub fn to_f64(&self) -> Record<f64> {
+        Record {
+            color: self.color.map(Real::to_f64),
+            samples: wide(&self.samples),
+            surfaces: self.surfaces.iter().map(Seen::to_f64).collect(),
+            keep: self.keep,
+            met: Vec::new(),
+            points: Vec::new(),
         }
     }
 
@@ -125,4 +143,34 @@ impl<R: Real> Record<R> {
     pub(super) fn end_sample(&mut self, color: [R; 3]) {
         self.samples.push(color);
     }
+}
+
+impl<R: Real> Seen<R> {
+    fn to_f64(&self) -> Seen<f64> {
+        Seen {
+            primitive: self.primitive,
+            surface: self.surface,
+            weights: self.weights,
+            alpha: self.alpha,
+            position_eye: self.position_eye.map(Real::to_f64),
+            color: self.color.map(Real::to_f64),
+            terms: wide(&self.terms),
+            remainder: self.remainder.map(Real::to_f64),
+            points: self.points.iter().map(LitPoint::to_f64).collect(),
+        }
+    }
+}
+
+impl<R: Real> LitPoint<R> {
+    fn to_f64(&self) -> LitPoint<f64> {
+        LitPoint {
+            point: self.point.convert(),
+            color: self.color.map(Real::to_f64),
+            terms: wide(&self.terms),
+        }
+    }
+}
+
+fn wide<R: Real>(colors: &[[R; 3]]) -> Vec<[f64; 3]> {
+    colors.iter().map(|c| c.map(Real::to_f64)).collect()
 }

@@ -1,6 +1,6 @@
 //! What OpenGL's own buffers hold beside the colour: window depth, and how many triangles cover a pixel.
 //!
-//! In: a plan, and for the depth a frame that it drew. Out: planes like the frame's, top row first; whoever faces OpenGL
+//! In: a plan, and for the depth the primitives of a frame that it drew. Out: planes like the frame's, top row first; whoever faces OpenGL
 //! turns them over. Both are of the first sample. GL 2.1 sections 2.11.1 and 4.1.6.
 
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use super::attribute::Weights;
 use super::records::TILE;
 use super::tile::{Samples, Visibility};
 use super::{Counters, Plan};
-use crate::frame::{Frame, NONE, Plane};
+use crate::frame::{NONE, Plane};
 use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::math::color::clamp01;
@@ -17,15 +17,15 @@ use crate::sampling::SUBPIXEL;
 use crate::scene::Camera;
 
 impl<R: Real> Plan<'_, R> {
-    /// Window depth of what a frame of this plan shows, after the scene's depth range: 1, GL's clear value, where nothing
-    /// is seen or nothing wrote depth.
-    pub fn window_depth(&self, frame: &Frame<R>) -> Plane<f64> {
-        self.window_depth_under(&self.scene.camera, frame)
+    /// Window depth of the primitives that a frame of this plan shows, after the scene's depth range: 1, GL's clear value,
+    /// where nothing is seen or nothing wrote depth.
+    pub fn window_depth(&self, primitives: &Plane<u32>) -> Plane<f64> {
+        self.window_depth_under(&self.scene.camera, primitives)
     }
 
     /// The same under another projection of the same view, such as one with a far plane where the scene's has none.
-    pub fn window_depth_under(&self, camera: &Camera, frame: &Frame<R>) -> Plane<f64> {
-        let width = frame.primitive.width.max(1);
+    pub fn window_depth_under(&self, camera: &Camera, primitives: &Plane<u32>) -> Plane<f64> {
+        let width = primitives.width.max(1);
         let [w, h] = self.grid.size.map(|n| n as f64);
         let clip_from_eye = camera.clip_from_eye(w / h);
         // glDepthRange clamps (GL 2.1 section 2.11.1).
@@ -40,15 +40,9 @@ impl<R: Real> Plan<'_, R> {
             (far - near) / 2.0 * ndc + (near + far) / 2.0
         };
         Plane {
-            width: frame.primitive.width,
-            height: frame.primitive.height,
-            data: frame
-                .primitive
-                .data
-                .par_iter()
-                .enumerate()
-                .map(depth)
-                .collect(),
+            width: primitives.width,
+            height: primitives.height,
+            data: primitives.data.par_iter().enumerate().map(depth).collect(),
         }
     }
 

@@ -325,6 +325,11 @@ impl<'a, R: Real> Plan<'a, R> {
         self.build_seconds
     }
 
+    /// How many triangles the scene has.
+    pub fn triangles(&self) -> usize {
+        self.surfaces.triangles()
+    }
+
     /// What rays meet.
     pub fn surfaces(&self) -> &Surfaces<'a, R> {
         &self.surfaces
@@ -433,7 +438,8 @@ impl<'a, R: Real> Plan<'a, R> {
         keep: u32,
     ) -> Result<Record<R>, Error> {
         let pixel = self.scene.image.check_pixel(pixel)?;
-        let (_, record) = tile::record(self, options, pixel, None, Record::new(keep))?;
+        let (tile, mut record) = tile::record(self, options, pixel, None, Record::new(keep))?;
+        record.color = tile.color[0];
         Ok(record)
     }
 
@@ -442,7 +448,8 @@ impl<'a, R: Real> Plan<'a, R> {
     /// # Errors
     /// [`Error::Limit`] where it casts too many secondary rays.
     pub fn record_ray(&self, options: &Options, ray: &Ray) -> Result<Record<R>, Error> {
-        let (_, record) = tile::record(self, options, [0; 2], Some(*ray), Record::new(0))?;
+        let (tile, mut record) = tile::record(self, options, [0; 2], Some(*ray), Record::new(0))?;
+        record.color = tile.color[0];
         Ok(record)
     }
 

@@ -28,6 +28,8 @@ pub enum Kind {
 /// A pixel's rays.
 #[derive(Clone, Debug, Default)]
 pub struct Record<R> {
+    /// Colour of the pixel.
+    pub color: [R; 3],
     /// Colour of each sample, and what reflection and refraction add to it.
     pub samples: Vec<([R; 3], [[R; 3]; 2])>,
     /// The rays of the kept sample, generation by generation, parents in order, reflection before refraction.
@@ -130,6 +132,22 @@ impl<R: Real> Record<R> {
         Self {
             keep: keep as usize,
             ..Self::default()
+        }
+    }
+
+    /// The same record in f64, exact.
+    pub fn to_f64(&self) -> Record<f64> {
+        let wide = |c: &[R; 3]| c.map(Real::to_f64);
+        let samples = self.samples.iter();
+        let samples = samples
+            .map(|(color, [mirrored, passed])| (wide(color), [wide(mirrored), wide(passed)]));
+        Record {
+            color: wide(&self.color),
+            samples: samples.collect(),
+            rays: self.rays.iter().map(Traced::to_f64).collect(),
+            keep: self.keep,
+            base: self.base,
+            next: self.next.clone(),
         }
     }
 
@@ -244,7 +262,39 @@ impl<R: Real> Record<R> {
     }
 }
 
+impl<R: Real> Traced<R> {
+    fn to_f64(&self) -> Traced<f64> {
+        Traced {
+            kind: self.kind,
+            parent: self.parent,
+            ray: self.ray,
+            share: self.share,
+            weight: self.weight,
+            inside: self.inside,
+            ior: self.ior,
+            meeting: self.meeting.as_ref().map(Meeting::to_f64),
+        }
+    }
+}
+
 impl<R: Real> Meeting<R> {
+    fn to_f64(&self) -> Meeting<f64> {
+        let terms = self.terms.iter().map(|c| c.map(Real::to_f64));
+        Meeting {
+            t: self.t,
+            foot: self.foot,
+            normal_eye: self.normal_eye,
+            object: self.object,
+            material: self.material,
+            back: self.back,
+            surface: self.surface,
+            point: self.point.convert(),
+            terms: terms.collect(),
+            shadows: self.shadows.clone(),
+            fork: self.fork.clone(),
+        }
+    }
+
     /// A hit that is not shaded yet.
     fn at(site: &Site<R>) -> Self {
         Self {

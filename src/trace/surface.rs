@@ -101,6 +101,11 @@ impl<'a, R: Real> Surfaces<'a, R> {
         surfaces
     }
 
+    /// How many triangles the scene has.
+    pub(super) fn triangles(&self) -> usize {
+        self.assembly.triangles.len()
+    }
+
     /// Inner nodes and leaves of the hierarchies, shared ones once.
     pub fn hierarchy_size(&self) -> (usize, usize) {
         let shared = self.shared.iter().map(|shared| &shared.bvh);

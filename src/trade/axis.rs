@@ -5,9 +5,10 @@
 
 use serde::Serialize;
 
-use super::setting::{Precision, Renderer, Setting, bounces, has_curves, shading_name};
+use super::setting::{Setting, bounces, has_curves, shading_name};
 use super::truth::Truth;
 use crate::gl::ShadeModel;
+use crate::render::{Precision, Renderer};
 use crate::sampling::Pattern;
 use crate::scene::tessellate::DEFAULT_LEVEL;
 use crate::scene::{Scene, Snap};

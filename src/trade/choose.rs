@@ -14,14 +14,15 @@ use std::time::Duration;
 use super::accuracy::Accuracy;
 use super::axis::grid;
 use super::cost::Counts;
-use super::draw::Job;
+use super::draw::Ready;
 use super::fit::Power;
 use super::measure::{Judge, Measured};
-use super::setting::{Precision, Renderer, Setting, has_curves};
+use super::setting::{Setting, has_curves};
 use super::truth::Truth;
 use super::verify::elsewhere;
 use crate::error::Error;
 use crate::lanes::Isa;
+use crate::render::{Precision, Renderer};
 use crate::scene::Scene;
 
 /// Pixels of the picture that settings are tried on, at most.
@@ -306,7 +307,7 @@ impl Trial<'_> {
 
     /// The fastest of some runs of a setting.
     fn seconds(&self, candidate: &Candidate, scene: &Scene) -> Result<f64, Error> {
-        let job = Job::new(scene, &candidate.setting, self.isa);
+        let job = Ready::new(scene, &candidate.setting, self.isa);
         let mut fastest = f64::INFINITY;
         for _ in 0..RUNS {
             fastest = fastest.min(job.clock()?.0);

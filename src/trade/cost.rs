@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::setting::Precision;
+use crate::render::Precision;
 use crate::{raster, trace};
 
 /// Exact counts of a render.

@@ -6,18 +6,16 @@
 use std::time::Instant;
 
 use super::cost::Counts;
-use super::setting::{Precision, Renderer, Setting};
+use super::setting::Setting;
 use crate::error::Error;
-use crate::frame::{Frame, Plane};
-use crate::lanes::{Isa, Real};
+use crate::frame::Plane;
+use crate::lanes::Isa;
+use crate::render::{self, Counters, Job};
 use crate::scene::Scene;
-use crate::scene::assembly::Assembly;
-use crate::scene::requirements::Model;
-use crate::{raster, trace};
 
 /// What a render leaves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawn {
+pub struct Shot {
     /// Linear colours before any clamp.
     pub color: Plane<[f64; 3]>,
     /// The object seen at each pixel's first sample; `frame::NONE` where there is none.
@@ -28,13 +26,13 @@ pub struct Drawn {
 
 /// A scene ready to be drawn by a setting, again and again.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct Ready {
     scene: Scene,
     setting: Setting,
     isa: Isa,
 }
 
-impl Job {
+impl Ready {
     /// The scene as the setting has it.
     pub fn new(scene: &Scene, setting: &Setting, isa: Isa) -> Self {
         Self {
@@ -48,11 +46,16 @@ impl Job {
     ///
     /// # Errors
     /// What the renderers refuse: too many triangles, too many rays a pixel.
-    pub fn draw(&self) -> Result<Drawn, Error> {
-        match self.setting.precision {
-            Precision::F32 => self.frame::<f32>().map(drawn),
-            Precision::F64 => self.frame::<f64>().map(drawn),
-        }
+    pub fn draw(&self) -> Result<Shot, Error> {
+        let drawn = self.job().draw()?;
+        Ok(Shot {
+            color: drawn.picture.color_f64(),
+            object: drawn.picture.object().clone(),
+            counts: match &drawn.counters {
+                Counters::Raster(counters) => Counts::of_raster(counters),
+                Counters::Trace(counters) => Counts::of_trace(counters, drawn.triangles),
+            },
+        })
     }
 
     /// Draws, and gives the seconds that took and a checksum of the colours.
@@ -60,61 +63,27 @@ impl Job {
     /// # Errors
     /// As [`Self::draw`].
     pub fn clock(&self) -> Result<(f64, u64), Error> {
-        match self.setting.precision {
-            Precision::F32 => self.clock_in::<f32>(),
-            Precision::F64 => self.clock_in::<f64>(),
-        }
-    }
-
-    fn clock_in<R: Real>(&self) -> Result<(f64, u64), Error> {
         let start = Instant::now();
-        let (frame, _) = self.frame::<R>()?;
+        let drawn = self.job().draw()?;
         let seconds = start.elapsed().as_secs_f64();
-        let bits = frame
-            .color
-            .data
-            .iter()
-            .flatten()
-            .map(|x| x.to_f64().to_bits());
+        let color = drawn.picture.color_f64();
+        let bits = color.data.iter().flatten().map(|x| x.to_bits());
         // FNV-1a by words.
         let fnv = |sum: u64, word: u64| (sum ^ word).wrapping_mul(0x0100_0000_01b3);
         Ok((seconds, bits.fold(0xcbf2_9ce4_8422_2325, fnv)))
     }
 
-    fn frame<R: Real>(&self) -> Result<(Frame<R>, Counts), Error> {
+    fn job(&self) -> Job<'_> {
         let (scene, setting) = (&self.scene, &self.setting);
-        let assembly = Assembly::<R>::new(scene, Some(setting.level))?;
-        assembly.check_range(scene)?;
-        if setting.renderer == Renderer::Raster {
-            let options = raster::Options {
-                shading: setting.shading,
-                clamp: false,
-                layers: false,
-                isa: self.isa,
-            };
-            let plan = raster::Plan::new(scene, &assembly, Model::Required);
-            let (frame, counters) = plan.draw(&options)?;
-            return Ok((frame, Counts::of_raster(&counters)));
-        }
-        let faults = trace::Faults {
-            offset: setting.offset,
-            ..trace::Faults::default()
+        let options = render::Options {
+            precision: setting.precision,
+            level: Some(setting.level),
+            geometry: setting.geometry,
+            isa: self.isa,
+            ..render::Options::default()
         };
-        let plan = trace::Plan::new(scene, &assembly, setting.geometry, Model::Required)?;
-        let plan = plan.with_faults(faults);
-        let options = match setting.renderer {
-            Renderer::Trace => trace::Options::of(scene, self.isa),
-            _ => trace::Options::cast(self.isa),
-        };
-        let (frame, counters) = plan.draw(&options)?;
-        Ok((frame, Counts::of_trace(&counters, assembly.triangles.len())))
-    }
-}
-
-fn drawn<R: Real>((frame, counts): (Frame<R>, Counts)) -> Drawn {
-    Drawn {
-        color: frame.color.map(|c| c.map(Real::to_f64)),
-        object: frame.object,
-        counts,
+        let mut job = Job::with(scene, setting.renderer, &options).shading(setting.shading);
+        job.study.trace.offset = setting.offset;
+        job
     }
 }

@@ -10,10 +10,11 @@ use super::journal::Journal;
 use super::measure::{Measured, key};
 use super::power::{PowerError, errors, exponents};
 use super::run::{Outcome, on_front};
-use super::setting::{Renderer, Setting};
+use super::setting::Setting;
 use super::timing::Ratio;
 use super::truth::{End, Truth};
 use crate::lanes::Isa;
+use crate::render::Renderer;
 use crate::scene::Scene;
 
 /// Errors that an answer is given for: half of what 8 bits can show is 1/510, so the first is two steps of display; the

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::accuracy::Accuracy;
 use super::cost::Counts;
-use super::draw::{Drawn, Job};
+use super::draw::{Ready, Shot};
 use super::setting::Setting;
 use super::truth::{Reference, Truth};
 use crate::decompose::silhouette;
@@ -81,7 +81,7 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// What the renderers refuse.
     pub fn measure(&mut self, setting: &Setting, truths: &[Truth]) -> Result<Measured, Error> {
-        let drawn = Job::new(self.scene, setting, self.isa).draw()?;
+        let drawn = Ready::new(self.scene, setting, self.isa).draw()?;
         let mut errors = Vec::new();
         for truth in truths {
             let accuracy = judge(&drawn, self.truth(*truth)?)?;
@@ -99,7 +99,7 @@ impl<'a> Judge<'a> {
 ///
 /// # Errors
 /// [`Error::Limit`] where the pictures cannot be compared.
-pub fn judge(drawn: &Drawn, truth: &Reference) -> Result<Accuracy, Error> {
+pub fn judge(drawn: &Shot, truth: &Reference) -> Result<Accuracy, Error> {
     let mask = silhouette(&drawn.object, &truth.object);
     Accuracy::of(&drawn.color, &truth.color, &mask, &truth.curved)
 }

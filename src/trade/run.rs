@@ -9,7 +9,7 @@
 use std::time::{Duration, Instant};
 
 use super::axis::{Axis, axes, grid};
-use super::draw::Job;
+use super::draw::Ready;
 use super::front::front;
 use super::journal::{Journal, Timed};
 use super::measure::{Judge, Measured, key};
@@ -206,7 +206,7 @@ fn time(
         .num_threads(1)
         .build()
         .map_err(|e| Error::limit(format!("cannot start a worker thread: {e}")))?;
-    let base = Job::new(scene, &Setting::of(scene).plain(scene), options.isa);
+    let base = Ready::new(scene, &Setting::of(scene).plain(scene), options.isa);
     let mut complete = 0;
     for (i, setting) in settings.iter().enumerate() {
         let name = format!("time of {}", setting.name(scene));
@@ -215,7 +215,7 @@ fn time(
             break;
         }
         let share = (1.0 - gone) / (settings.len() - i) as f64 * options.budget.as_secs_f64();
-        let job = Job::new(scene, setting, options.isa);
+        let job = Ready::new(scene, setting, options.isa);
         let begun = Instant::now();
         let done = pool.install(|| {
             let (mut a, mut b) = (Clocked::new(&base), Clocked::new(&job));
@@ -243,12 +243,12 @@ fn time(
 
 /// A job with the checksum of its first run.
 struct Clocked<'a> {
-    job: &'a Job,
+    job: &'a Ready,
     checksum: Option<u64>,
 }
 
 impl<'a> Clocked<'a> {
-    fn new(job: &'a Job) -> Self {
+    fn new(job: &'a Ready) -> Self {
         Self {
             job,
             checksum: None,

@@ -5,61 +5,12 @@
 //! renderer does not read hold the scene's own value.
 
 use crate::gl::ShadeModel;
+use crate::render::{Precision, Renderer, name_of};
 use crate::sampling::Pattern;
 use crate::scene::requirements::{Feature, Mode, Model, Requirements};
 use crate::scene::tessellate::DEFAULT_LEVEL;
 use crate::scene::{Geometry, Object, Scene, Shape, Snap};
 use crate::trace;
-
-/// Who draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Renderer {
-    /// The rasterizer.
-    Raster,
-    /// Primary rays only, nothing blocked: the rasterizer's terms by rays.
-    Cast,
-    /// Whitted's tracer.
-    Trace,
-}
-
-impl Renderer {
-    /// The one table of names.
-    pub const NAMES: &[(&'static str, Self)] = &[
-        ("raster", Self::Raster),
-        ("cast", Self::Cast),
-        ("trace", Self::Trace),
-    ];
-
-    /// Its name in the table, which is that of `--mode`.
-    pub fn name(self) -> &'static str {
-        name_of(Self::NAMES, self)
-    }
-}
-
-/// The floats of the whole path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// 32 bits.
-    F32,
-    /// 64 bits.
-    F64,
-}
-
-impl Precision {
-    /// The one table of names.
-    pub const NAMES: &[(&'static str, Self)] = &[("f32", Self::F32), ("f64", Self::F64)];
-
-    /// Its name in the table, which is that of `--precision`.
-    pub fn name(self) -> &'static str {
-        name_of(Self::NAMES, self)
-    }
-}
-
-/// The first name of a value in a table; empty where it has none.
-fn name_of<T: Copy + PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
-    let found = names.iter().find(|(_, known)| *known == value);
-    found.map_or("", |(name, _)| name)
-}
 
 /// One way to draw a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,11 +14,12 @@
 use serde::Serialize;
 
 use super::axis::bounce_weight;
-use super::draw::{Drawn, Job};
-use super::setting::{Precision, Renderer, Setting, is_curved};
+use super::draw::{Ready, Shot};
+use super::setting::{Setting, is_curved};
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::lanes::Isa;
+use crate::render::{Precision, Renderer};
 use crate::sampling::Pattern;
 use crate::scene::{Scene, Snap};
 use crate::trace;
@@ -112,7 +113,7 @@ impl Truth {
             depth: depth + 1,
             ..setting
         };
-        let more = match Job::new(&scene, &deeper, isa).draw() {
+        let more = match Ready::new(&scene, &deeper, isa).draw() {
             Ok(further) => further.counts.rays() > drawn.rays,
             Err(Error::Limit { .. }) => true,
             Err(error) => return Err(error),
@@ -153,8 +154,8 @@ impl Truth {
 /// Draws with as many generations as the cap on rays lets through, halving from [`MOST_DEPTH`].
 fn deepest(scene: &Scene, mut setting: Setting, isa: Isa) -> Result<Reference, Error> {
     loop {
-        match Job::new(scene, &setting, isa).draw() {
-            Ok(Drawn {
+        match Ready::new(scene, &setting, isa).draw() {
+            Ok(Shot {
                 color,
                 object,
                 counts,

@@ -5,7 +5,7 @@
 //! them at a centre. For samples, the ideal picture is drawn again with another seed and twice as many.
 
 use super::accuracy::Accuracy;
-use super::draw::Job;
+use super::draw::Ready;
 use super::measure::judge;
 use super::setting::Setting;
 use super::truth::Truth;
@@ -27,7 +27,7 @@ pub fn elsewhere(scene: &Scene, setting: &Setting, seed: u32, isa: Isa) -> Resul
         pattern: Pattern::Jitter,
         ..*setting
     };
-    judge(&Job::new(&scene, &moved, isa).draw()?, &truth)
+    judge(&Ready::new(&scene, &moved, isa).draw()?, &truth)
 }
 
 /// Rmse at silhouettes of a setting of several samples against an ideal picture of another seed and `samples` samples.
@@ -41,7 +41,7 @@ pub fn edges(
     seed: u32,
     isa: Isa,
 ) -> Result<f64, Error> {
-    let drawn = Job::new(scene, setting, isa).draw()?;
+    let drawn = Ready::new(scene, setting, isa).draw()?;
     let mut other = scene.clone();
     other.image.seed = seed;
     let truth = Truth::Ideal(samples).draw(&other, isa)?;

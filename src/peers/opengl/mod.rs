@@ -1,6 +1,6 @@
 //! The system's real OpenGL as a third renderer: the rasterizer's scene, drawn by a driver's fixed function.
 //!
-//! In: a [`Scene`] and the [`Assembly`] that the rasterizer draws. Out: a [`Picture`] of float colours, GL window depths and
+//! In: a [`Scene`] and the triangles ([`Assembled`]) that the rasterizer draws. Out: a [`Picture`] of float colours, GL window depths and
 //! triangle numbers, top row first; and the [`Driver`]'s name. The driver is found when the program runs (EGL without a
 //! window, `egl`); where there is none, or none with fixed function, an error says so.
 //!
@@ -39,9 +39,8 @@ use serde::Serialize;
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::gl::{ColorMaterial, ColorMaterialMode, Face, LightSource, ShadeModel};
-use crate::lanes::Real;
+use crate::render::Assembled;
 use crate::sampling::Pattern;
-use crate::scene::assembly::Assembly;
 use crate::scene::{Camera, Material, Projection, Scene};
 use api::Gl;
 use scenery::Scenery;
@@ -218,10 +217,10 @@ impl Driver {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for what GL or this driver cannot draw, with its reason.
-    pub fn draw<R: Real>(
+    pub fn draw(
         &self,
         scene: &Scene,
-        assembly: &Assembly<R>,
+        assembled: &Assembled,
         options: &Options,
     ) -> Result<Picture, Error> {
         self.gl.make_current().map_err(failed)?;
@@ -246,10 +245,10 @@ impl Driver {
         let scenery = Scenery {
             gl: &self.gl,
             scene,
-            assembly,
+            assembled,
             options,
             lights,
-            camera: bounded(&scene.camera, assembly),
+            camera: bounded(&scene.camera, assembled),
         };
         let picture = scenery.picture(&target, method)?;
         match self.gl.get_error() {
@@ -351,11 +350,11 @@ impl Driver {
 
 /// The camera with a far plane where GL's matrix needs one: an orthographic view without one gets it behind the farthest
 /// vertex.
-fn bounded<R: Real>(camera: &Camera, assembly: &Assembly<R>) -> Camera {
+fn bounded(camera: &Camera, assembled: &Assembled) -> Camera {
     if camera.far.is_some() || !matches!(camera.projection, Projection::Orthographic { .. }) {
         return *camera;
     }
-    let distances = assembly.position_eye[2].iter().map(|z| -z.to_f64());
+    let distances = (0..assembled.vertices() as u32).map(|v| -assembled.vertex_eye(v)[2]);
     let farthest = distances.fold(2.0 * camera.near, f64::max);
     Camera {
         far: Some(1.001 * farthest),

@@ -13,10 +13,9 @@ use super::{Method, Options, Picture, failed, state};
 use crate::error::Error;
 use crate::frame::{NONE, Plane};
 use crate::gl::{self, ColorMaterial, ColorMaterialMode, LightSource, ShadeModel};
-use crate::lanes::Real;
 use crate::math::color::clamp_rgb;
+use crate::render::Assembled;
 use crate::sampling;
-use crate::scene::assembly::Assembly;
 use crate::scene::{Camera, Material, Scene, Transparency};
 
 /// Triangles that one draw call takes at most.
@@ -25,13 +24,13 @@ const RUN: usize = 1 << 15;
 const NUMBER_BASE: u32 = 1 << 16;
 
 /// A scene on its way into a target.
-pub(super) struct Scenery<'a, R> {
+pub(super) struct Scenery<'a> {
     /// The driver.
     pub(super) gl: &'a Gl,
     /// The scene.
     pub(super) scene: &'a Scene,
     /// Its triangles.
-    pub(super) assembly: &'a Assembly<R>,
+    pub(super) assembled: &'a Assembled,
     /// How to draw.
     pub(super) options: &'a Options,
     /// Enabled lights, eye space.
@@ -40,7 +39,7 @@ pub(super) struct Scenery<'a, R> {
     pub(super) camera: Camera,
 }
 
-impl<R: Real> Scenery<'_, R> {
+impl Scenery<'_> {
     /// All samples, then the triangle numbers of the first.
     pub(super) fn picture(&self, target: &Target<'_>, method: Method) -> Result<Picture, Error> {
         let samples = self.scene.image.samples;
@@ -169,7 +168,7 @@ impl<R: Real> Scenery<'_, R> {
         self.gl.shade_model(api::FLAT);
         let mut number = 0u32;
         let mut arrays = Arrays::default();
-        for range in runs(&self.assembly.material) {
+        for range in runs(self.assembled.materials()) {
             if self.alpha(range.start).is_some() {
                 number += range.len() as u32;
                 continue;
@@ -201,12 +200,13 @@ impl<R: Real> Scenery<'_, R> {
             (true, false) | (false, _) => &[&[false, true]],
         };
         for pass in passes {
-            for range in runs(&self.assembly.material) {
+            for range in runs(self.assembled.materials()) {
                 let alpha = self.alpha(range.start);
                 if !pass.contains(&alpha.is_some()) {
                     continue;
                 }
-                let material = &self.scene.materials[self.assembly.material[range.start] as usize];
+                let material =
+                    &self.scene.materials[self.assembled.materials()[range.start] as usize];
                 let blended = alpha.map(|alpha| with_alpha(material, alpha));
                 let material = blended.as_ref().unwrap_or(material);
                 let sides = state::sides(material, &self.scene.light_model);
@@ -227,16 +227,15 @@ impl<R: Real> Scenery<'_, R> {
 
     /// The vertex colours of consecutive triangles, for materials that follow them.
     fn gather_colors(&self, range: Range<usize>, alpha: Option<f64>, arrays: &mut Arrays) {
-        let vertices = self.assembly.triangles[range].iter().flatten();
-        let colors = vertices.filter_map(|v| self.assembly.vertex_color(*v));
+        let vertices = self.assembled.triangles()[range].iter().flatten();
+        let colors = vertices.filter_map(|v| self.assembled.vertex_color(*v));
         let alpha = alpha.unwrap_or(gl::CURRENT_COLOR[3]);
-        let rgba = |c: [R; 3]| state::rgba(c.map(Real::to_f64), alpha);
-        arrays.colors.extend(colors.map(rgba));
+        arrays.colors.extend(colors.map(|c| state::rgba(c, alpha)));
     }
 
     /// The alpha that a triangle is blended with; `None` where it is opaque.
     fn alpha(&self, triangle: usize) -> Option<f64> {
-        let material = self.assembly.material[triangle] as usize;
+        let material = self.assembled.materials()[triangle] as usize;
         let blends = self.scene.raster.transparency == Transparency::Blend;
         let alpha = || self.scene.materials[material].optics.blend_alpha();
         blends.then(alpha).flatten()
@@ -245,19 +244,18 @@ impl<R: Real> Scenery<'_, R> {
     /// Eye-space positions and normals of consecutive triangles, the provoking vertex last.
     fn gather(&self, range: Range<usize>, arrays: &mut Arrays) {
         arrays.clear();
-        let assembly = self.assembly;
+        let assembled = self.assembled;
         // The rasterizer's per-fragment lighting interpolates unit normals; lengths count at vertices only.
         let lengths = self.options.shading != ShadeModel::Phong;
-        for vertex in assembly.triangles[range].iter().flatten() {
-            let length = assembly.normal_length.get(*vertex as usize);
-            let length = length.filter(|_| lengths).map_or(1.0, |l| l.to_f64());
-            let normal = assembly.vertex_normal(*vertex);
-            arrays
-                .positions
-                .push(assembly.vertex_eye(*vertex).map(Real::to_f32));
-            arrays
-                .normals
-                .push(normal.map(|n| (n.to_f64() * length) as f32));
+        for vertex in assembled.triangles()[range].iter().flatten() {
+            let length = match lengths {
+                true => assembled.normal_length(*vertex),
+                false => 1.0,
+            };
+            let normal = assembled.vertex_normal(*vertex);
+            let place = assembled.vertex_eye(*vertex);
+            arrays.positions.push(place.map(|x| x as f32));
+            arrays.normals.push(normal.map(|n| (n * length) as f32));
         }
     }
 }

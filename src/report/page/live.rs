@@ -340,10 +340,9 @@ fn explained(pixels: &[Explained]) -> Result<Blob, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decompose::{Options, decompose, views};
+    use crate::decompose::{decompose, views};
     use crate::import::{LoadOptions, load};
-    use crate::lanes::Isa;
-    use crate::scene::requirements::Model;
+    use crate::render::Options;
 
     /// Packs a shipped scene with four lights within a budget.
     fn pack(budgets: &[usize]) -> Vec<Live> {
@@ -351,15 +350,11 @@ mod tests {
         (scene.image.width, scene.image.height) = (40, 30);
         let options = Options {
             level: Some(8),
-            isa: Isa::detect(),
-            model: Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
+            ..Options::default()
         };
         let quiet = |_: &str| {};
-        let ladder = decompose::<f32>(&scene, &options, &quiet).unwrap();
-        let views = views::<f32>(&scene, &options, &ladder, &quiet).unwrap();
+        let ladder = decompose(&scene, &options, &quiet).unwrap();
+        let views = views(&scene, &options, &ladder, &quiet).unwrap();
         let input = Input {
             ladder: &ladder,
             views: &views,

@@ -2,11 +2,11 @@
 
 use super::plot::{Anchor, Ink, LogScale, Mark, Plot, Shape, Words};
 use super::words::short;
+use crate::render::Renderer;
 use crate::report::numbers::{tick, value};
 use crate::report::text::{Face, measure};
 use crate::trade::axis::Law;
 use crate::trade::finding::{AxisFinding, Curve, TARGETS, Trade};
-use crate::trade::setting::Renderer;
 
 /// Colour and shape of a renderer.
 fn style(renderer: Renderer) -> (Ink, Shape) {

@@ -3,12 +3,12 @@
 use super::needles;
 use crate::error::Error;
 use crate::math::{DAffine3, DMat3, DVec2, DVec3};
-use crate::scene::assembly::{Assembly, object_mesh};
+use crate::render::{Assembled, Precision, Tracer};
+use crate::scene::assembly::object_mesh;
 use crate::scene::requirements::Model;
 use crate::scene::{Geometry, LightSpace, Projection, Scene, Shape};
-use crate::trace::bvh::Walker;
+use crate::trace;
 use crate::trace::ray::Ray;
-use crate::trace::{self, Surfaces};
 
 /// What is done to a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,11 +126,10 @@ fn scale(scene: &mut Scene, s: f64) {
 }
 
 /// Hands the true shapes of a scene to a question.
-fn with_surfaces<T>(scene: &Scene, ask: impl FnOnce(&Surfaces<'_, f64>) -> T) -> Result<T, Error> {
-    let assembly = Assembly::<f64>::new(scene, Some(8))?;
-    let (geometry, model) = (trace::Geometry::Exact, Model::Required);
-    let plan = trace::Plan::new(scene, &assembly, geometry, model)?;
-    Ok(ask(plan.surfaces()))
+fn with_shapes<T>(scene: &Scene, ask: impl FnOnce(&Tracer<'_>) -> T) -> Result<T, Error> {
+    let assembled = Assembled::unchecked(scene, Some(8), Precision::F64)?;
+    let tracer = Tracer::new(scene, &assembled, trace::Geometry::Exact, Model::Required)?;
+    Ok(ask(&tracer))
 }
 
 /// The ray through a place of the picture, 0 to 1 rightwards and downwards; world space.
@@ -146,9 +145,9 @@ fn ray_through(scene: &Scene, place: DVec2) -> Ray {
 }
 
 /// The object that a ray meets, and how far along.
-fn seen(surfaces: &Surfaces<'_, f64>, ray: &Ray) -> Option<(u32, f64)> {
-    let hit = surfaces.closest_hit(ray, &mut Walker::default())?;
-    Some((surfaces.object(&hit), hit.t))
+fn seen(shapes: &Tracer<'_>, ray: &Ray) -> Option<(u32, f64)> {
+    let met = shapes.meets(ray)?;
+    Some((met.object, met.t))
 }
 
 fn light_distance(scene: &mut Scene, distance: f64) -> Result<(), Error> {
@@ -156,9 +155,8 @@ fn light_distance(scene: &mut Scene, distance: f64) -> Result<(), Error> {
     let middle = |n: u32| (f64::from(n / 2) + 0.5) / f64::from(n);
     let image = &scene.image;
     let ray = ray_through(scene, DVec2::new(middle(image.width), middle(image.height)));
-    let place = with_surfaces(scene, |surfaces| {
-        let hit = surfaces.closest_hit(&ray, &mut Walker::default())?;
-        let foot = surfaces.site(&ray, &hit, None).foot;
+    let place = with_shapes(scene, |shapes| {
+        let foot = shapes.meets(&ray)?.foot;
         let towards = -foot.normal.dot(ray.direction);
         Some(foot.point + foot.normal * distance.copysign(distance * towards))
     })?;
@@ -215,8 +213,8 @@ fn deform(scene: &mut Scene, matrix: DMat3) {
 /// that triangles have the same outline as the true shape.
 fn outline(scene: &Scene) -> Result<DVec3, Error> {
     const STEPS: usize = 64;
-    let found = with_surfaces(scene, |surfaces| {
-        let at = |place: DVec2| seen(surfaces, &ray_through(scene, place));
+    let found = with_shapes(scene, |shapes| {
+        let at = |place: DVec2| seen(shapes, &ray_through(scene, place));
         let step = |i: usize| (i as f64 + 0.5) / STEPS as f64;
         let along = |across: f64| {
             let pairs = (0..STEPS - 1).map(|i| [step(i), step(i + 1)]);

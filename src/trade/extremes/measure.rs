@@ -2,15 +2,13 @@
 
 use super::{Cell, Condition, Figure, INPUTS, Options};
 use crate::error::Error;
-use crate::frame::{Frame, Plane};
+use crate::frame::Plane;
 use crate::gl::ShadeModel;
-use crate::lanes::{Isa, Real};
+use crate::lanes::Isa;
 use crate::lighting::Rounded;
 use crate::math::color::Rgb;
-use crate::scene::assembly::Assembly;
-use crate::scene::requirements::Model;
+use crate::render::{self, Job, Picture, Precision, Renderer};
 use crate::scene::{LightSpace, Scene};
-use crate::{raster, trace};
 
 /// The largest error of a value, relative to max(1, magnitude).
 pub const BAR: f64 = 1e-5;
@@ -19,16 +17,6 @@ pub const BAR_HIGH_EXPONENT: f64 = 2e-4;
 
 /// Half an ulp of f32, relative: the most that rounding changes an input.
 const HALF_ULP: f64 = 1.0 / 16_777_216.0;
-
-#[derive(Clone, Copy, PartialEq)]
-enum Renderer {
-    /// Per fragment, on triangles.
-    Raster,
-    /// On the true shapes.
-    Trace,
-    /// The same without shadows and secondary rays: what the rasterizer would draw of the true shapes.
-    Cast,
-}
 
 /// A picture in f64, whatever drew it.
 struct Shot {
@@ -58,7 +46,7 @@ pub(super) fn cell(
     let bar = bench.bar();
     let (raster, raster_picture, mesh) = bench.figure(Renderer::Raster, bar)?;
     let (trace, trace_picture, _) = bench.figure(Renderer::Trace, bar)?;
-    let exact = shot(&bench.draw::<f64>(Renderer::Cast, Rounded::default())?);
+    let exact = shot(&bench.draw(Renderer::Cast, Precision::F64, Rounded::default())?);
     let same = || (0..mesh.object.len()).filter(|i| mesh.object[*i] == exact.object[*i]);
     let squares =
         same().flat_map(|i| [0, 1, 2].map(|c| squared(mesh.color[i][c], exact.color[i][c])));
@@ -79,11 +67,10 @@ fn squared(a: f64, b: f64) -> f64 {
     if a == b { 0.0 } else { (a - b) * (a - b) }
 }
 
-fn shot<R: Real>(frame: &Frame<R>) -> Shot {
-    let colors = frame.color.data.iter();
+fn shot(picture: &Picture) -> Shot {
     Shot {
-        color: colors.map(|c| c.map(Real::to_f64)).collect(),
-        object: frame.object.data.clone(),
+        color: picture.color_f64().data,
+        object: picture.object().data.clone(),
     }
 }
 
@@ -102,29 +89,18 @@ impl Bench<'_> {
         }
     }
 
-    fn draw<R: Real>(&self, renderer: Renderer, rounded: Rounded) -> Result<Frame<R>, Error> {
-        let (scene, isa) = (self.scene, self.isa);
-        let mut assembly = Assembly::<R>::new(scene, Some(self.level))?;
-        assembly.check_range(scene)?;
-        round_vertices(&mut assembly, rounded);
-        if renderer == Renderer::Raster {
-            let plan = raster::Plan::new(scene, &assembly, Model::Required).rounding(rounded);
-            let (shading, clamp, layers) = (ShadeModel::Phong, false, false);
-            let options = raster::Options {
-                shading,
-                clamp,
-                layers,
-                isa,
-            };
-            return Ok(plan.draw(&options)?.0);
-        }
-        let geometry = trace::Geometry::Exact;
-        let plan = trace::Plan::new(scene, &assembly, geometry, Model::Required)?;
-        let options = match renderer {
-            Renderer::Cast => trace::Options::cast(isa),
-            _ => trace::Options::of(scene, isa),
+    /// Per fragment on triangles, or on the true shapes: those without shadows and secondary rays are what the rasterizer would
+    /// draw of them.
+    fn draw(&self, by: Renderer, in_: Precision, rounded: Rounded) -> Result<Picture, Error> {
+        let options = render::Options {
+            precision: in_,
+            level: Some(self.level),
+            isa: self.isa,
+            ..render::Options::default()
         };
-        Ok(plan.rounding(rounded).draw(&options)?.0)
+        let mut job = Job::with(self.scene, by, &options).shading(ShadeModel::Phong);
+        job.study.rounded = rounded;
+        Ok(job.draw()?.picture)
     }
 
     /// f32 against f64; the picture in f32, and the one in f64.
@@ -133,10 +109,10 @@ impl Bench<'_> {
         renderer: Renderer,
         bar: f64,
     ) -> Result<(Figure, Plane<[f32; 3]>, Shot), Error> {
-        let narrow_frame = self.draw::<f32>(renderer, Rounded::default())?;
+        let narrow_frame = self.draw(renderer, Precision::F32, Rounded::default())?;
         let narrow = shot(&narrow_frame);
-        let wide = shot(&self.draw::<f64>(renderer, Rounded::default())?);
-        let rounded = shot(&self.draw::<f64>(renderer, Rounded::ALL)?);
+        let wide = shot(&self.draw(renderer, Precision::F64, Rounded::default())?);
+        let rounded = shot(&self.draw(renderer, Precision::F64, Rounded::ALL)?);
         let errors = errors(&narrow, &wide);
         let own = errors_explained_by_lights(self, renderer, &narrow, &rounded, bar)?;
         let numbers = narrow.color.iter().chain(&wide.color).flatten();
@@ -159,7 +135,7 @@ impl Bench<'_> {
     fn condition(&self, renderer: Renderer, wide: &Shot) -> Result<Option<Condition>, Error> {
         let mut most: Option<Condition> = None;
         for (input, rounded) in INPUTS {
-            let moved = shot(&self.draw::<f64>(renderer, rounded)?);
+            let moved = shot(&self.draw(renderer, Precision::F64, rounded)?);
             let change = largest(&errors(&moved, wide));
             if most.as_ref().is_none_or(|m| change > m.change) {
                 most = Some(Condition {
@@ -194,7 +170,10 @@ fn errors_explained_by_lights(
                 scene: &scene,
                 ..*bench
             };
-            let moved = errors(&shot(&other.draw::<f64>(renderer, Rounded::ALL)?), rounded);
+            let moved = errors(
+                &shot(&other.draw(renderer, Precision::F64, Rounded::ALL)?),
+                rounded,
+            );
             for (own, moved) in own.iter_mut().zip(moved) {
                 if *own > bar && moved >= 0.5 * *own {
                     *own = 0.0;
@@ -245,19 +224,4 @@ fn largest(errors: &[f64]) -> f64 {
 fn objects(a: &Shot, b: &Shot) -> usize {
     let pairs = a.object.iter().zip(&b.object);
     pairs.filter(|(a, b)| a != b).count()
-}
-
-/// The vertices as an assembly in f32 has them.
-fn round_vertices<R: Real>(assembly: &mut Assembly<R>, rounded: Rounded) {
-    let round = |x: &mut R| *x = R::from_f64(f64::from(x.to_f64() as f32));
-    if rounded.positions {
-        let from_eye = assembly.position_from_eye.iter_mut().flatten();
-        from_eye
-            .chain(assembly.position_eye.iter_mut().flatten())
-            .for_each(round);
-    }
-    if rounded.normals {
-        let normals = assembly.normal_eye.iter_mut().flatten();
-        normals.chain(&mut assembly.normal_length).for_each(round);
-    }
 }
