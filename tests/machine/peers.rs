@@ -4,17 +4,22 @@
 //! `GALLIUM_DRIVER=llvmpipe` or `softpipe`; `-- --nocapture` prints the tables that the README shows, and `RASTRAY_ALL_CASES=1`
 //! takes every case of the lighting equation instead of every fourth.
 
-// The adapter's functions that these tests do not need are used by the adapter.
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_lights.rs"]
-mod gl_lights;
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_scene.rs"]
-mod gl_scene;
+#[path = "../common"]
+mod common {
+    pub(crate) mod adapter;
+}
+#[path = "../probe"]
+#[allow(dead_code, reason = "the adapter uses all of it, these tests a part")]
+mod probe {
+    pub(crate) mod gl_lights;
+    pub(crate) mod gl_scene;
+    use crate::common::adapter::{Failure, number};
+}
 
 use std::io::Read;
 use std::path::Path;
 
+use probe::{gl_lights, gl_scene};
 use rastray::context::{
     Array, Buffers, Capability, Context, LightParameter, MatrixMode, PrimitiveMode,
 };
@@ -35,17 +40,6 @@ use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
 use rastray::scene::{Cull, FrontFace, Projection, Scene, Snap, Transparency};
 use serde_json::Value;
-
-type Failure = Box<dyn std::error::Error>;
-
-/// The adapter's way to write a number.
-fn number(x: f64) -> Value {
-    if x.is_finite() {
-        x.into()
-    } else {
-        x.to_string().to_lowercase().into()
-    }
-}
 
 /// Works with the driver, or says that there is none.
 fn on_driver<T: Send>(work: impl FnOnce(&Driver) -> Result<T, Error> + Send) -> Option<T> {
