@@ -1,12 +1,13 @@
 //! The rasterizer against the OpenGL of this machine: lighting case by case, pictures pixel by pixel.
 //!
-//! Where no driver is found each test says so and passes. Mesa's software drivers are chosen by
-//! `GALLIUM_DRIVER=llvmpipe` or `softpipe`; `-- --nocapture` prints the tables that the README shows, and `RASTRAY_ALL_CASES=1`
-//! takes every case of the lighting equation instead of every fourth.
+//! Where no driver is found each test says so and passes, or fails where `RASTRAY_REQUIRE_OPENGL=1`. Mesa's software drivers
+//! are chosen by `GALLIUM_DRIVER=llvmpipe` or `softpipe`; `-- --nocapture` prints the tables that the README shows, and
+//! `RASTRAY_ALL_CASES=1` takes every case of the lighting equation instead of every fourth.
 
 #[path = "../common"]
 mod common {
     pub(crate) mod adapter;
+    pub(crate) mod demand;
 }
 #[path = "../probe"]
 #[allow(dead_code, reason = "the adapter uses all of it, these tests a part")]
@@ -19,6 +20,7 @@ mod probe {
 use std::io::Read;
 use std::path::Path;
 
+use common::demand::skip;
 use probe::{gl_lights, gl_scene};
 use rastray::context::{
     Array, Buffers, Capability, Context, LightParameter, MatrixMode, PrimitiveMode,
@@ -52,7 +54,7 @@ fn on_driver<T: Send>(work: impl FnOnce(&Driver) -> Result<T, Error> + Send) -> 
         Ok(answer) => Some(answer),
         Err(error) if opened => panic!("{error}"),
         Err(error) => {
-            println!("skipped: {error}");
+            skip("RASTRAY_REQUIRE_OPENGL", &error.to_string());
             None
         }
     }
