@@ -33,7 +33,7 @@
 //! terms are limited to the finite numbers, since sums of opposite infinities have no value. Colours that are not
 //! finite count as the largest number (infinity) or 0 (NaN). No NaN comes out.
 //!
-//! **Accuracy.** See `tests/lighting_reference.rs`, which holds the bars.
+//! **Accuracy.** See `tests/pictures/lighting_reference.rs`, which holds the bars.
 //!
 //! **Speed.** Instructions a point, one light, sums only; the caller's part, the direction to the viewer, included. 2026-11,
 //! release, AVX2 (`valgrind --tool=cachegrind --cache-sim=no probe lighting-bench ROW N`, two lengths subtracted). The guide's

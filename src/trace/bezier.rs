@@ -24,7 +24,7 @@
 //! never one alone. Flat pieces seen exactly edge-on are nothing.
 //!
 //! *Accuracy.* Where it is kept, a hit's (u, v) is polished once with the distance to the ray in pairs of f64; the point and the
-//! normal are evaluated there, on the piece. Measured in `tests/bezier.rs` with pairs throughout: points of the teapot, 6.4 long,
+//! normal are evaluated there, on the piece. Measured in `tests/pictures/bezier.rs` with pairs throughout: points of the teapot, 6.4 long,
 //! lie within 3.1e-16 of the ray, times 1 / cosine of its slant, from 10 to six million away; normals of a parabolic sheet
 //! are right within 4e-15. [`Foot::scale`] is the size of the set, above all that is lost.
 //!

@@ -6,7 +6,7 @@
 //! one polygon owns it. Values (t, weights) use differences of products. Polygons seen edge-on are nothing.
 //!
 //! Measured (2026-11, one core of an x86-64 server shared with other work, release, processor time, A B B A, median and
-//! range of 21 rounds; `cost` in tests/closed_room.rs): against the plain test of Moeller and Trumbore (1997) in f64 in the
+//! range of 21 rounds; `cost` in tests/pictures/closed_room.rs): against the plain test of Moeller and Trumbore (1997) in f64 in the
 //! same traversal, on the dragon of 871,414 triangles, 160,000 primary rays take 1.06 times as long (0.97 to 1.16), 42,723
 //! rays from the surface in random directions 1.02 times (1.00 to 1.06), the same as shadow rays 1.02 times (0.97 to 1.12):
 //! 3.2, 0.53 and 0.56 million rays a second. The plain difference of two products decides nearly every sign, so no cheaper

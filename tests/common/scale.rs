@@ -86,7 +86,9 @@ fn scale_shape(shape: &mut Shape, k: f64) {
             *major *= k;
             *minor *= k;
         }
-        Shape::Revolution { .. } => panic!("tests/revolution.rs scales surfaces of revolution"),
+        Shape::Revolution { .. } => {
+            panic!("tests/pictures/revolution.rs scales surfaces of revolution")
+        }
         Shape::Bezier { points, .. } => *points = points.iter().map(|p| *p * k).collect(),
     }
 }

@@ -6,7 +6,7 @@
 
 PSNR and SSIM: scikit-image (Gaussian windows of 11 x 11, sigma 1.5, population covariance, range 1, luma of the stored
 values). FLIP: flip-evaluator, by the authors of FLIP: LDR-FLIP of 8-bit pictures taken as sRGB, HDR-FLIP with exposures
-of its own choice and ACES. Pictures come from the formulas below, which tests/metrics.rs repeats in integers, and from
+of its own choice and ACES. Pictures come from the formulas below, which tests/program/metrics repeats in integers, and from
 the PNG files beside this script, both drawn by rastray:
     rastray render SCENE --size 160x120 [--mode trace]
 """

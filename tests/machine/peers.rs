@@ -1,20 +1,27 @@
 //! The rasterizer against the OpenGL of this machine: lighting case by case, pictures pixel by pixel.
 //!
-//! Where no driver is found each test says so and passes. Mesa's software drivers are chosen by
-//! `GALLIUM_DRIVER=llvmpipe` or `softpipe`; `-- --nocapture` prints the tables that the README shows, and `RASTRAY_ALL_CASES=1`
-//! takes every case of the lighting equation instead of every fourth.
+//! Where no driver is found each test says so and passes, or fails where `RASTRAY_REQUIRE_OPENGL=1`. Mesa's software drivers
+//! are chosen by `GALLIUM_DRIVER=llvmpipe` or `softpipe`; `-- --nocapture` prints the tables that the README shows, and
+//! `RASTRAY_ALL_CASES=1` takes every case of the lighting equation instead of every fourth.
 
-// The adapter's functions that these tests do not need are used by the adapter.
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_lights.rs"]
-mod gl_lights;
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_scene.rs"]
-mod gl_scene;
+#[path = "../common"]
+mod common {
+    pub(crate) mod adapter;
+    pub(crate) mod demand;
+}
+#[path = "../probe"]
+#[allow(dead_code, reason = "the adapter uses all of it, these tests a part")]
+mod probe {
+    pub(crate) mod gl_lights;
+    pub(crate) mod gl_scene;
+    use crate::common::adapter::{Failure, number};
+}
 
 use std::io::Read;
 use std::path::Path;
 
+use common::demand::skip;
+use probe::{gl_lights, gl_scene};
 use rastray::context::{
     Array, Buffers, Capability, Context, LightParameter, MatrixMode, PrimitiveMode,
 };
@@ -36,17 +43,6 @@ use rastray::scene::requirements::Model;
 use rastray::scene::{Cull, FrontFace, Projection, Scene, Snap, Transparency};
 use serde_json::Value;
 
-type Failure = Box<dyn std::error::Error>;
-
-/// The adapter's way to write a number.
-fn number(x: f64) -> Value {
-    if x.is_finite() {
-        x.into()
-    } else {
-        x.to_string().to_lowercase().into()
-    }
-}
-
 /// Works with the driver, or says that there is none.
 fn on_driver<T: Send>(work: impl FnOnce(&Driver) -> Result<T, Error> + Send) -> Option<T> {
     let mut opened = false;
@@ -58,7 +54,7 @@ fn on_driver<T: Send>(work: impl FnOnce(&Driver) -> Result<T, Error> + Send) -> 
         Ok(answer) => Some(answer),
         Err(error) if opened => panic!("{error}"),
         Err(error) => {
-            println!("skipped: {error}");
+            skip("RASTRAY_REQUIRE_OPENGL", &error.to_string());
             None
         }
     }

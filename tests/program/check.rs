@@ -4,13 +4,10 @@
 //! crate; *text* = by another scene file, drawn rightly; *pixels* = from the right picture's own values; *layers* = by summing
 //! the right picture's layers wrongly. None goes through the switches that `check` makes its mistakes with.
 //!
-//! `cargo test --test check` takes ten planted mistakes over five scenes, at 64x48. All of them:
-//! `cargo test --test check -- --ignored --nocapture`.
+//! `cargo test --test program check::` takes ten planted mistakes over five scenes, at 64x48. All of them:
+//! `cargo test --test program check:: -- --ignored --nocapture`.
 
-#[path = "common/plain.rs"]
-mod plain;
-
-use plain::{Lamp, Matter, Mesh, World, Wrong, gouraud};
+use crate::common::plain::{Lamp, Matter, Mesh, World, Wrong, gouraud};
 use rastray::check::{Finding, Given, Mode, Options, Report, Verdict, check};
 use rastray::frame::Plane;
 use rastray::import::{self, LoadOptions};

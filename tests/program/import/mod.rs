@@ -1,20 +1,12 @@
 //! Importers: shipped scenes, error messages with their places, OBJ features, overrides.
 
-#[path = "import/broken.rs"]
 mod broken;
-#[path = "import/include.rs"]
 mod include;
-#[path = "import/mesh.rs"]
 mod mesh;
-#[path = "import/mutate.rs"]
 mod mutate;
-#[path = "import/schema.rs"]
 mod schema;
-#[path = "import/scn.rs"]
 mod scn;
-#[path = "import/strict.rs"]
 mod strict;
-#[path = "import/values.rs"]
 mod values;
 
 use std::path::Path;

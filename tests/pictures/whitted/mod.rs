@@ -13,21 +13,13 @@
 //! map; [`LANDING`] is 64 times 2^-53 of the distance, where formulas are well-conditioned, and a test says by how much more
 //! they amplify where they are not. In f32 colours, lights and meshes' vertices are f32; rays are not.
 
-#[path = "whitted/edges.rs"]
 mod edges;
-#[path = "whitted/glass.rs"]
 mod glass;
-#[path = "whitted/media.rs"]
 mod media;
-#[path = "whitted/mirrors.rs"]
 mod mirrors;
-#[path = "common/scale.rs"]
-mod scale;
-#[path = "whitted/shares.rs"]
 mod shares;
-#[path = "common/text.rs"]
-mod text;
 
+use crate::common::{scale, text};
 use rastray::frame::Frame;
 use rastray::lanes::{Isa, Real};
 use rastray::math::DVec3;

@@ -2,7 +2,7 @@
 //! how much is measured; no NaN, no wrong decision.
 //!
 //! By default a few cells, small. The whole atlas, as `rastray trade --extremes` draws it (a minute or two):
-//! `cargo test --release --test extremes -- --ignored --nocapture`
+//! `cargo test --release --test program extremes:: -- --ignored --nocapture`
 
 use rastray::trade::extremes::{Atlas, BAR, Options, atlas, cell_count};
 

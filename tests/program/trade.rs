@@ -2,7 +2,7 @@
 //! that are interrupted and go on; the command.
 //!
 //! Slopes and figures: numerics guide, section 6, with its own measurements (`trade.json`). What one picture's order tests
-//! show already (`tests/agreement.rs`: diffuse and specular orders and constants on meshes) is not repeated; here the
+//! show already (`tests/pictures/agreement.rs`: diffuse and specular orders and constants on meshes) is not repeated; here the
 //! slopes are those that a page prints.
 
 use std::path::Path;

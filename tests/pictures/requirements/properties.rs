@@ -8,7 +8,7 @@ use rastray::scene::Scene;
 use rastray::scene::requirements::{Feature, Mode, Requirements};
 use serde_json::{Value, json};
 
-use super::descriptor;
+use crate::common::descriptor;
 
 /// A colour with a good chance of zeros.
 fn color() -> impl Strategy<Value = [f64; 3]> {

@@ -6,8 +6,8 @@
 //! and decisions. The long forms:
 //!
 //! ```text
-//! cargo test --test exactness -- --ignored --nocapture every_power     every k in -20..=26, all shipped scenes
-//! cargo test --test exactness -- --ignored --nocapture table           f32 against f64 as a Markdown table
+//! cargo test --test pictures -- --ignored --nocapture exactness::every_power     every k in -20..=26, all shipped scenes
+//! cargo test --test pictures -- --ignored --nocapture exactness::table           f32 against f64 as a Markdown table
 //! ```
 
 use std::collections::HashMap;

@@ -1,8 +1,5 @@
 //! Surfaces of revolution: closed forms, one owner for every crossing, an independent scan, meshes, and bad profiles.
 
-#[path = "common/random.rs"]
-mod random;
-
 use rastray::gl;
 use rastray::math::{DAffine3, DMat3, DVec2, DVec3};
 use rastray::scene::assembly::Assembly;
@@ -17,7 +14,7 @@ use rastray::trace::{Geometry, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use random::Random;
+use crate::common::random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)

@@ -1,12 +1,8 @@
-//! The tracer against brute force, the numerics cases, and laws that every picture obeys; `tests/whitted.rs` holds it to
+//! The tracer against brute force, the numerics cases, and laws that every picture obeys; `tests/pictures/whitted` holds it to
 //! closed forms. Most pictures here are one pixel: an orthographic camera whose single ray is known exactly.
 
-#[path = "common/scale.rs"]
-mod scale;
-// The conformance adapter's answers to the cases that rays decide.
-#[path = "probe/rays.rs"]
-mod rays;
-
+use crate::common::scale::scaled;
+use crate::probe::rays;
 use rastray::error::Error;
 use rastray::frame::NONE;
 use rastray::gl;
@@ -23,11 +19,8 @@ use rastray::trace::bvh::{Bvh, Walker};
 use rastray::trace::planar::Shear;
 use rastray::trace::ray::Ray;
 use rastray::trace::{Counters, Geometry, Options, Plan};
-use scale::scaled;
 use serde_json::Value;
 use std::sync::Arc;
-
-type Failure = Box<dyn std::error::Error>;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -777,7 +770,7 @@ fn widths_and_leaf_sizes_change_no_answer() {
     widths_and_leaf_sizes(20_000);
 }
 
-/// T4 in full: cargo test --test trace -- --ignored a_million
+/// T4 in full: cargo test --test pictures -- --ignored trace::a_million
 #[test]
 #[ignore = "a million rays against every triangle: a minute"]
 fn a_million_rays_meet_the_same_in_every_hierarchy() {

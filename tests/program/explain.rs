@@ -2,7 +2,7 @@
 //!
 //! The pictures of the renderers, and the ladder's, are what every explanation is held to; the ray tree is added up anew here
 //! from its own numbers. The measure, 200 random pixels of every shipped scene in both precisions, takes minutes:
-//! `cargo test --release --test explain -- --ignored --nocapture`. A smaller one runs by default.
+//! `cargo test --release --test program explain:: -- --ignored --nocapture`. A smaller one runs by default.
 
 use rastray::decompose::{CAUSES, decompose};
 use rastray::explain::{Explainer, Explanation, Kind, Options, Precision, Ray, Setting, Terms};
@@ -19,15 +19,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-#[path = "probe/trace.rs"]
-mod probe_trace;
-#[path = "common/random.rs"]
-#[allow(dead_code, reason = "rays and vectors are for other tests")]
-mod random;
-use random::Random;
-
-/// As in the adapter.
-type Failure = Box<dyn std::error::Error>;
+use crate::common::random::Random;
+use crate::probe::trace as probe_trace;
 
 fn scene(name: &str, size: [u32; 2], sets: &[&str]) -> Scene {
     let options = LoadOptions {

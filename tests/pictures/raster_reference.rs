@@ -1,33 +1,15 @@
 //! The rasterizer against independent truth: extreme cases for numerical stability (kinds raster, near, persp, depth) and
 //! scenes drawn by real OpenGL (`tests/reference/README.md`). Goes through the conformance adapter's own code.
 
-// The adapter's functions that these tests do not need are used by the adapter.
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_lights.rs"]
-mod gl_lights;
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_scene.rs"]
-mod gl_scene;
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/numerics.rs"]
-mod numerics;
-
 use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::probe::{gl_scene, numerics};
 use rastray::gl::ShadeModel;
 use rastray::lanes::Real;
 use rastray::scene::{Projection, Snap};
 use serde_json::Value;
-
-type Failure = Box<dyn std::error::Error>;
-
-/// The adapter's way to write a number; here every number is finite.
-fn number(x: f64) -> Value {
-    assert!(x.is_finite());
-    x.into()
-}
 
 fn unpack(path: &Path) -> Vec<u8> {
     let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));

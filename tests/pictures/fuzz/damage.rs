@@ -1,5 +1,5 @@
 //! Scene files whose values are exchanged for others, legal and illegal: what the importer lets through, both renderers
-//! must draw. (`tests/import/mutate.rs` damages bytes, and does not draw.)
+//! must draw. (`tests/program/import/mutate.rs` damages bytes, and does not draw.)
 
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -11,7 +11,7 @@ use rastray::scene::requirements::Model;
 use rastray::scene::{Geometry, Scene, Shape};
 use rastray::{raster, trace};
 
-use super::text::import;
+use crate::common::text::import;
 
 /// Where the numbers and strings of a text stand, comments left out.
 fn values(text: &str) -> Vec<std::ops::Range<usize>> {

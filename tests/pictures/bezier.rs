@@ -1,8 +1,5 @@
 //! Bicubic Bezier patches: closed forms, dense meshes, parity through borders and corners, accuracy in pairs, the teapot's figures.
 
-#[path = "common/random.rs"]
-mod random;
-
 use rastray::gl;
 use rastray::math::{DAffine3, DMat3, DVec3};
 use rastray::scene::assembly::Assembly;
@@ -15,7 +12,7 @@ use rastray::trace::exact::{Twofold, add_scaled, dot2, pairs, values};
 use rastray::trace::ray::{Hit, Ray};
 use rastray::trace::{Geometry, Plan};
 
-use random::Random;
+use crate::common::random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)

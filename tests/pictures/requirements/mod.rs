@@ -2,15 +2,11 @@
 //! a list may depend on, and that plans follow it: nothing needed is left out, nothing left out was needed.
 //! The scenes that others wrote take part where the optional shared folder is present.
 
-#[path = "common/descriptor.rs"]
-mod descriptor;
-#[path = "requirements/necessity.rs"]
 mod necessity;
-#[path = "requirements/plans.rs"]
 mod plans;
-#[path = "requirements/properties.rs"]
 mod properties;
 
+use crate::common::descriptor;
 use rastray::gl;
 use rastray::math::DAffine3;
 use rastray::scene::requirements::{Feature, Mode, Requirements};
@@ -19,7 +15,7 @@ use serde_json::Value;
 
 #[test]
 fn the_sixteen_descriptors() {
-    let text = include_str!("reference/requirements.json");
+    let text = include_str!("../../reference/requirements.json");
     let scenes: Vec<Value> = serde_json::from_str(text).expect("reference data");
     assert_eq!(scenes.len(), 16);
     for v in &scenes {

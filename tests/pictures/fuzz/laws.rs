@@ -12,7 +12,7 @@ use rastray::scene::requirements::Model;
 use rastray::scene::{Geometry, Object, Projection, Scene, Shape};
 use rastray::{raster, trace};
 
-use super::scale::scaled;
+use crate::common::scale::scaled;
 
 type Verdict = Result<(), TestCaseError>;
 
@@ -115,7 +115,7 @@ fn ladder<R: Real>(scene: &Scene) -> Result<bool, TestCaseError> {
 /// In f32 a vertex is known to 2^-24 of its distance. That is less than the 1/256 px that an edge is wide only where a pixel
 /// spans more than 2^-14 of the distance, not through the longest lenses; and it is more than the 2^-22 of the depth within
 /// which surfaces tie where a plane that they share reaches far beyond the place. So f64 is held to the colours on
-/// these scenes, and tests/agreement.rs holds f32 to them on tamer ones.
+/// these scenes, and tests/pictures/agreement.rs holds f32 to them on tamer ones.
 fn agrees<R: Real>(scene: &Scene, ladder: &Ladder) -> Verdict {
     let found = &ladder.agreement;
     let apart = found.coverage.raster_only + found.coverage.trace_only;

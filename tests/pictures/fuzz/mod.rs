@@ -7,20 +7,12 @@
 //! renderers agree where they must; an error is a proper one.
 //!
 //! The default run is short and repeats. A long one, about a quarter of an hour of CPU time, with scenes of its own:
-//! `PROPTEST_CASES=4000 PROPTEST_RNG_SEED=1 cargo test --test fuzz`. A failing scene is printed as it is after shrinking.
+//! `PROPTEST_CASES=4000 PROPTEST_RNG_SEED=1 cargo test --test pictures fuzz::`. A failing scene is printed as it is after shrinking.
 
-#[path = "fuzz/damage.rs"]
 mod damage;
-#[path = "fuzz/found.rs"]
 mod found;
-#[path = "fuzz/laws.rs"]
 mod laws;
-#[path = "common/scale.rs"]
-mod scale;
-#[path = "fuzz/scenes.rs"]
 mod scenes;
-#[path = "common/text.rs"]
-mod text;
 
 use proptest::prelude::ProptestConfig;
 use proptest::strategy::{Strategy, ValueTree};

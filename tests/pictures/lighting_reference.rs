@@ -1,31 +1,11 @@
 //! The equation against independent truth, at every instruction set of this machine: OpenGL cases and extreme cases
 //! for numerical stability (`tests/reference/README.md`). Goes through the conformance adapter's own code.
 
-// The adapter's functions that these tests do not need are used by the adapter.
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/gl_lights.rs"]
-mod gl_lights;
-#[allow(dead_code, reason = "the probe uses all of it, this test a part")]
-#[path = "probe/numerics.rs"]
-mod numerics;
-
 use std::io::Read;
 
+use crate::probe::{gl_lights, numerics};
 use rastray::lanes::{Isa, Real};
 use serde_json::Value;
-
-type Failure = Box<dyn std::error::Error>;
-
-/// The adapter's way to write a number; here not-finite numbers never pass unnoticed.
-fn number(x: f64) -> Value {
-    if x.is_nan() {
-        "nan".into()
-    } else if x.is_infinite() {
-        if x > 0.0 { "inf".into() } else { "-inf".into() }
-    } else {
-        x.into()
-    }
-}
 
 fn as_f64(value: &Value) -> f64 {
     match value {

@@ -13,17 +13,14 @@
 //! otherwise idle:
 //!
 //! ```text
-//! cargo test --release --test closed_room -- --ignored --nocapture long_form
-//! cargo test --release --test closed_room -- --ignored --nocapture cost   (needs RASTRAY_MESH=FILE.obj)
+//! cargo test --release --test pictures -- --ignored --nocapture closed_room::long_form
+//! cargo test --release --test pictures -- --ignored --nocapture closed_room::cost   (needs RASTRAY_MESH=FILE.obj)
 //! ```
-
-#[path = "common/random.rs"]
-mod random;
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use random::Random;
+use crate::common::random::Random;
 use rastray::lanes::Real;
 use rastray::math::{DAffine3, DMat3, DVec3};
 use rastray::scene::assembly::{Assembly, object_mesh};

@@ -7,7 +7,7 @@ use rastray::raster::{Options, Plan};
 use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
 
-use super::text::import;
+use crate::common::text::import;
 
 /// A road that runs from far ahead to far behind the eye, one unit wide, looked down at from a height of one: pixel (x, y)
 /// shows it where its ray meets the ground within 1/2 of the middle.

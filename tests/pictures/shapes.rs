@@ -1,8 +1,5 @@
 //! Round shapes: closed forms, independent references, parity, and both renderers on a scene that has them all.
 
-#[path = "common/random.rs"]
-mod random;
-
 use rastray::decompose::{Options as Steps, decompose};
 use rastray::import::{LoadOptions, load};
 use rastray::lanes::{Isa, Real};
@@ -18,9 +15,9 @@ use rastray::trace::{Geometry, Plan};
 use rastray::{gl, scene::fit};
 
 /// Every shape, each lit, one material shiny and one clear.
-const ALL_SHAPES: &str = include_str!("data/shapes.toml");
+const ALL_SHAPES: &str = include_str!("../data/shapes.toml");
 
-use random::Random;
+use crate::common::random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)

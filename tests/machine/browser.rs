@@ -1,11 +1,16 @@
 //! The page in a real browser: headless Chromium opens it from `file://`, and mouse and keys do what they promise.
 //!
 //! `cargo test --features browser --test browser`. The browser is looked for as `$RASTRAY_CHROMIUM`, then `chromium`,
-//! `chromium-browser`, `google-chrome` and `chrome` on the path; where there is none the tests say so and pass. It is driven
-//! over its debugging pipe (two named pipes; Unix). `RASTRAY_SCREENSHOTS=FOLDER` keeps pictures of the page in light, dark,
-//! narrow, on a projector, and its printed pages, to be looked at.
+//! `chromium-browser`, `google-chrome` and `chrome` on the path; where there is none the tests say so and pass, or fail where
+//! `RASTRAY_REQUIRE_BROWSER=1`. It is driven over its debugging pipe (two named pipes; Unix). `RASTRAY_SCREENSHOTS=FOLDER`
+//! keeps pictures of the page in light, dark, narrow, on a projector, and its printed pages, to be looked at.
 
 #![cfg(unix)]
+
+#[path = "../common"]
+mod common {
+    pub(crate) mod demand;
+}
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
@@ -15,6 +20,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
+use common::demand::skip;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use serde_json::{Value, json};
 
@@ -47,7 +53,8 @@ impl Browser {
     /// Starts it; none, and a line that says so, where there is none.
     fn start() -> Option<Self> {
         let Some(program) = executable() else {
-            eprintln!("skipped: no Chromium found; install it, or set RASTRAY_CHROMIUM");
+            let missing = "no Chromium found; install it, or set RASTRAY_CHROMIUM";
+            skip("RASTRAY_REQUIRE_BROWSER", missing);
             return None;
         };
         let profile = tempfile::tempdir().expect("a folder");
