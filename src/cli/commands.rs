@@ -4,6 +4,8 @@ use std::io::Write;
 
 use rastray::error::Error;
 use rastray::import::{self, Shipped};
+use rastray::report::lines::wrap;
+use rastray::report::origin;
 use serde_json::json;
 
 use super::args::{CompletionsArgs, SceneArgs, ScenesArgs};
@@ -25,6 +27,13 @@ pub(super) fn load(
         imported.notes.iter().for_each(diagnostic::note);
     }
     Ok(imported)
+}
+
+/// The command line as it could be typed again.
+pub(super) fn command_line() -> String {
+    // A name that is no Unicode is printed with marks in its place.
+    let words = std::env::args_os().skip(1);
+    origin::command(words.map(|word| word.to_string_lossy().into_owned()))
 }
 
 /// Writes text to standard output; a closed pipe is not an error.
@@ -78,7 +87,7 @@ fn scene_list(shipped: &[Shipped], columns: Option<usize>) -> String {
         }
         for scene in shipped.iter().filter(|s| s.folder == folder) {
             let column = indent.len() + width + 2;
-            let title = diagnostic::wrap(scene.title, columns, column);
+            let title = wrap(scene.title, columns, column);
             let title = title.replace('\n', &format!("\n{:column$}", ""));
             text += &format!("{indent}{:width$}  {title}\n", scene.name);
         }

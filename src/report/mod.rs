@@ -7,7 +7,8 @@
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
 //! - [`folder`]: the files of a comparison, by name.
-//! - [`checked`]: somebody's own picture beside the mistaken and the right one.
+//! - [`checked`]: a check of somebody's own picture: pictures, text, JSON.
+//! - [`origin`]: command lines to type again, settings; [`lines`]: running text in a terminal.
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
 //!   sentences with symbols in them.
 //! - [`pixel`]: one pixel explained, as text, figure and ray paths.
@@ -31,7 +32,9 @@ pub mod folder;
 pub mod formats;
 pub mod layered;
 mod layout;
+pub mod lines;
 pub mod numbers;
+pub mod origin;
 pub mod page;
 pub mod palette;
 #[cfg(feature = "opengl")]
