@@ -29,11 +29,17 @@ pub(super) fn load(
     Ok(imported)
 }
 
+/// The words behind the program's name; what is no Unicode in them has marks in its place.
+pub(super) fn words() -> Vec<String> {
+    let words = std::env::args_os().skip(1);
+    words
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect()
+}
+
 /// The command line as it could be typed again.
 pub(super) fn command_line() -> String {
-    // A name that is no Unicode is printed with marks in its place.
-    let words = std::env::args_os().skip(1);
-    origin::command(words.map(|word| word.to_string_lossy().into_owned()))
+    origin::command(words())
 }
 
 /// Writes text to standard output; a closed pipe is not an error.

@@ -5,12 +5,13 @@ use rastray::gl::ShadeModel;
 use rastray::import::{Imported, MAX_PIXELS, MAX_SIDE};
 use rastray::lanes::Isa;
 use rastray::report::files::View;
+use rastray::report::origin;
 use rastray::sampling::MAX_SAMPLES;
-use rastray::scene::Snap;
 use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::LEVELS;
+use rastray::scene::{Scene, Snap};
 
-use super::args::{ModelArg, QualityArgs, ShadingArg};
+use super::args::{ModelArg, PrecisionArg, QualityArgs, ShadingArg};
 
 /// How much to say on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,6 +126,19 @@ pub(crate) fn apply(args: &QualityArgs, imported: &mut Imported) -> Result<Quali
         isa,
         model,
     })
+}
+
+/// What was rendered how, for pages.
+pub(super) fn settings(
+    args: &QualityArgs,
+    scene: &Scene,
+    quality: &Quality,
+) -> Vec<(String, String)> {
+    let precision = match args.precision {
+        PrecisionArg::F32 => "f32",
+        PrecisionArg::F64 => "f64",
+    };
+    origin::settings(scene, quality.level, precision, quality.isa)
 }
 
 /// How linear values are stored in viewable files.

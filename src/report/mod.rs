@@ -6,7 +6,8 @@
 //! - [`files`]: which format a path asks for, atomic writes; [`formats`] and [`layered`]: PNG, PFM, HDR and EXR bytes.
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
 //!   the equation growing. [`equation`]: the equation as pieces, for figures and page alike.
-//! - [`folder`]: the files of a comparison, by name.
+//! - [`comparison`]: a climbed ladder becomes a [`Report`]; [`layers`]: the layers of its `layers.exr`; [`folder`]: its files,
+//!   by name; [`difference`]: maps of differences.
 //! - [`checked`]: a check of somebody's own picture: pictures, text, JSON.
 //! - [`origin`]: command lines to type again, settings; [`lines`]: running text in a terminal.
 //! - [`deck`]: the slides of a lecture; [`topic`]: what a scene is about and how that is lit in the equation; [`prose`]:
@@ -23,14 +24,17 @@ pub mod animation;
 pub mod atlas;
 pub mod causes;
 pub mod checked;
+pub mod comparison;
 pub mod deck;
 pub mod diff;
+pub mod difference;
 pub mod equation;
 pub mod figures;
 pub mod files;
 pub mod folder;
 pub mod formats;
 pub mod layered;
+pub mod layers;
 mod layout;
 pub mod lines;
 pub mod numbers;

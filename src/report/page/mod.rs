@@ -11,6 +11,7 @@
 //! | file | what |
 //! | - | - |
 //! | `live` `mix` `codec` | pictures and layers, packed to fit |
+//! | `telling` | the pixels that are explained beforehand |
 //! | `head` `still` `viewer` `sections` | title and equation; what needs no script; the moving part's frame; words and tables |
 //! | `parts` | what other pages use, too |
 
@@ -21,6 +22,7 @@ mod mix;
 mod parts;
 mod sections;
 mod still;
+mod telling;
 mod viewer;
 
 use base64::Engine;
@@ -39,6 +41,7 @@ use super::summary::Summary;
 pub use live::Live;
 pub(super) use parts::{grouped, image, legend, linear_image, map_picture, piece, style};
 pub(super) use sections::capital;
+pub(super) use telling::explained;
 
 /// A comparison of one scene, with everything that the page and the files beside it show.
 #[derive(Clone, Debug)]

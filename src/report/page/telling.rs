@@ -1,11 +1,11 @@
 //! Pixels that `compare` explains beforehand, for its page: those that tell most, then a grid.
 
-use rastray::decompose::{CAUSES, Ladder};
-use rastray::error::Error;
-use rastray::explain::{Options, Precision, Setting};
-use rastray::frame::{LayerIndex, Plane};
-use rastray::report::page::live::Explained;
-use rastray::scene::Scene;
+use super::live::Explained;
+use crate::decompose::{CAUSES, Ladder};
+use crate::error::Error;
+use crate::explain::{Options, Precision, Setting};
+use crate::frame::{LayerIndex, Plane};
+use crate::scene::Scene;
 use rayon::prelude::*;
 use serde_json::{Number, Value};
 
@@ -17,17 +17,17 @@ const MOST: usize = 5_000_000;
 const PER_CAUSE: usize = 2;
 
 /// Explains pixels of a scene.
-pub(super) fn explained(
+pub(in crate::report) fn explained(
     scene: &Scene,
     ladder: &Ladder,
-    options: &rastray::decompose::Options,
+    options: &crate::decompose::Options,
     precision: Precision,
 ) -> Result<Vec<Explained>, Error> {
     let pixels = pixels(scene, ladder);
     let options = Options {
         ladder: options.clone(),
         precision,
-        geometry: rastray::trace::Geometry::Exact,
+        geometry: crate::trace::Geometry::Exact,
     };
     let setting = Setting::new(scene, options)?;
     let explainer = setting.explainer()?;
