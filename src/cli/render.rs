@@ -1,4 +1,4 @@
-//! `rastray render`: one picture.
+//! `rastray render`: one picture, or a series of them.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,8 +8,10 @@ use rastray::frame::{Frame, Layers, Plane};
 use rastray::import::Imported;
 use rastray::lanes::{Isa, Real};
 use rastray::math::color::clamp_rgb;
+use rastray::report::animation;
 use rastray::report::files::{self, Format};
 use rastray::report::layered::NamedLayer;
+use rastray::report::picture::Picture;
 use rastray::scene::Scene;
 use rastray::scene::assembly::Assembly;
 use rastray::trade::choose::Choice;
@@ -20,9 +22,9 @@ use serde_json::{Value, json};
 use super::args::{ClampArg, GeometryArg, ModeArg, PrecisionArg, QualityArgs, RenderArgs};
 use super::options::{Quality, Verbosity, apply, view};
 use super::progress::Progress;
-use super::series::Series;
+use super::series::{Series, fits_memory, is_gif, numbered};
 use super::watch::{Made, follow};
-use super::{commands, diagnostic, opengl, pick, series};
+use super::{commands, diagnostic, opengl, pick};
 
 /// What a render needs beyond the scene.
 struct Job {
@@ -51,7 +53,7 @@ struct Done {
 }
 
 /// A render of a loaded scene.
-pub(super) struct Shot {
+struct Shot {
     imported: Imported,
     import_seconds: f64,
     isa: Isa,
@@ -64,7 +66,7 @@ pub(super) struct Shot {
 
 impl Shot {
     /// The picture, linear.
-    pub(super) fn color(&self) -> &Plane<[f32; 3]> {
+    fn color(&self) -> &Plane<[f32; 3]> {
         &self.done.color
     }
 }
@@ -91,7 +93,7 @@ pub(super) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         &args.scene.scene,
         verbosity,
         || match &several {
-            Some(frames) => series::render(args, frames, verbosity),
+            Some(frames) => all(args, frames, verbosity),
             None => one(args, verbosity),
         },
     )
@@ -110,7 +112,7 @@ fn check_output(args: &RenderArgs, several: bool) -> Result<(), Error> {
         let message = "standard output takes one picture, and once";
         return Err(Error::parameter(flag, message).with_help("give it a file: -o NAME.png"));
     }
-    if series::is_gif(output) {
+    if is_gif(output) {
         if several {
             return layers_need_exr(args, Format::Png);
         }
@@ -157,11 +159,7 @@ fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
 }
 
 /// Loads the scene with further overrides and renders it.
-pub(super) fn shoot(
-    args: &RenderArgs,
-    sets: &[String],
-    verbosity: Verbosity,
-) -> Result<Shot, Error> {
+fn shoot(args: &RenderArgs, sets: &[String], verbosity: Verbosity) -> Result<Shot, Error> {
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, sets, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
@@ -254,7 +252,7 @@ pub(super) fn picture(
 }
 
 /// Times and counters of a render.
-pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
+fn stats(shot: &Shot, write_seconds: f64) -> Value {
     let (scene, done) = (&shot.imported.scene, &shot.done);
     json!({
         "scene": scene.name,
@@ -282,7 +280,7 @@ pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
 }
 
 /// Writes and prints times and counters where they were asked for.
-pub(super) fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
+fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
     if let Some(file) = &args.stats {
         files::write_bytes_atomic(file, format!("{stats:#}\n").as_bytes())?;
     }
@@ -302,12 +300,7 @@ fn mode_name(mode: ModeArg) -> &'static str {
 }
 
 /// Writes a picture in the format of the path, and says what the format loses.
-pub(super) fn write(
-    path: &Path,
-    shot: &Shot,
-    args: &RenderArgs,
-    verbosity: Verbosity,
-) -> Result<(), Error> {
+fn write(path: &Path, shot: &Shot, args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
     let layers: Vec<NamedLayer<'_>> = shot
         .done
         .layers
@@ -419,4 +412,63 @@ fn done<R: Real>(frame: &Frame<R>, triangles: usize, counters: Value, seconds: [
         plan_seconds,
         render_seconds,
     }
+}
+
+/// Renders all frames.
+fn all(args: &RenderArgs, series: &Series, verbosity: Verbosity) -> Result<Made, Error> {
+    let frames = series.frames();
+    let mut base = commands::load(&args.scene, &[], verbosity)?;
+    apply(&args.quality, &mut base)?;
+    let path = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}.png", base.scene.name)));
+    let gif = is_gif(&path);
+    if gif {
+        fits_memory(&base.scene.image, frames)?;
+    }
+    let camera = base.scene.camera;
+    // The last value is tried before the first is drawn.
+    let last = series.sets(frames - 1, &camera);
+    commands::load(&args.scene, &last, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
+    let progress = Progress::new(verbosity, frames.into());
+    let (mut pictures, mut all_stats) = (Vec::new(), Vec::new());
+    for frame in 0..frames {
+        progress.step(frame.into(), &series.title(frame));
+        let sets = series.sets(frame, &camera);
+        let shot = shoot(args, &sets, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
+        let writing = Instant::now();
+        if gif {
+            pictures.push(Picture::from_linear(shot.color(), view(&args.quality))?);
+        } else {
+            // What the format loses is said once.
+            let said = if frame == 0 {
+                verbosity
+            } else {
+                Verbosity::Quiet
+            };
+            write(&numbered(&path, frame), &shot, args, said)?;
+        }
+        all_stats.push(stats(&shot, writing.elapsed().as_secs_f64()));
+    }
+    if gif {
+        progress.step(frames.into(), "palette and GIF");
+        files::write_bytes_atomic(&path, &animation::gif(&pictures, args.fps)?)?;
+    }
+    drop(progress);
+    let (first, end) = if gif {
+        (path.clone(), path)
+    } else {
+        (numbered(&path, 0), numbered(&path, frames - 1))
+    };
+    if first == end {
+        verbosity.say(first.display());
+    } else {
+        verbosity.say(format!("{} to {}", first.display(), end.display()));
+    }
+    tell(args, &json!({ "frames": all_stats }))?;
+    Ok(Made {
+        inputs: base.files,
+        result: first,
+    })
 }
