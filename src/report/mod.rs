@@ -1,7 +1,7 @@
 //! What people and programs read: picture files, figures, `summary.json` and the page.
 //!
-//! In: plain data (planes of linear colours, names, numbers). Out: bytes and files. Nothing here renders, and nothing
-//! here decides what a number is: the ladder and the metrics do. Row 0 is the top row throughout.
+//! In: plain data (planes of linear colours, names, numbers). Out: bytes and files. Nothing here renders but
+//! the pixels that `page` has explained, by `explain`, and nothing here decides what a number is: the ladder and the metrics do. Row 0 is the top row throughout.
 //!
 //! - [`files`]: which format a path asks for, atomic writes; [`formats`] and [`layered`]: PNG, PFM, HDR and EXR bytes.
 //! - [`picture`]: 8-bit pictures as they are shown. [`text`]: type as outlines. [`figures`]: strips, maps with legends,
@@ -19,6 +19,7 @@
 //! - [`trade`]: speed against accuracy, as a folder of its own.
 //! - [`diff`]: two picture files against each other.
 //! - [`summary`]: `summary.json`. [`causes`]: what each cause means, in sentences. [`page`]: `index.html`.
+//! - `document`: the shell of every page, and its style sheets.
 
 pub mod animation;
 pub mod atlas;
@@ -28,6 +29,7 @@ pub mod comparison;
 pub mod deck;
 pub mod diff;
 pub mod difference;
+mod document;
 pub mod equation;
 pub mod figures;
 pub mod files;
