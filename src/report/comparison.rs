@@ -10,7 +10,7 @@ use super::equation::{Form, Term};
 use super::files::View;
 use super::page::live::Input;
 use super::page::{Live, NamedPlane, Report, explained};
-use super::summary::{Agreement, Cause, Coverage, Summary};
+use super::summary::{Cause, Summary};
 use crate::decompose::{self, CAUSES, Ladder, Views};
 use crate::error::Error;
 use crate::explain::Precision;
@@ -132,8 +132,6 @@ impl Comparison<'_> {
             let step = compared(summarize(width, height, &ladder.cause(i).data))?;
             causes.push(Cause::new(*name, &step));
         }
-        let agreement = &ladder.agreement;
-        let coverage = agreement.coverage;
         let measured = compared(Measured::new(&test, &reference, Viewing::default()))?;
         let interior = ladder.silhouette.map(|marked| !marked);
         Ok(Summary {
@@ -141,16 +139,7 @@ impl Comparison<'_> {
             metrics: measured.metrics(),
             silhouette: compared(measured.metrics_in(&ladder.silhouette.data))?,
             interior: compared(measured.metrics_in(&interior.data))?,
-            agreement: Agreement {
-                interior_max: agreement.interior_max,
-                interior_mean: agreement.interior_mean,
-                edge_pixels: agreement.edge_pixels as usize,
-                coverage: Coverage {
-                    both: coverage.both as usize,
-                    raster_only: coverage.raster_only as usize,
-                    trace_only: coverage.trace_only as usize,
-                },
-            },
+            agreement: ladder.agreement,
             causes,
             residual_max: ladder.residual_max,
             limited_pixels: ladder.limited_pixels as usize,
