@@ -48,4 +48,5 @@ pub use metrics::{
 };
 pub use scale::{Scale, ScaleKind, nice_maximum};
 pub use ssim::{SsimMap, ssim};
+pub use stats::{mse, rmse};
 pub use view::{CompareError, Encoding, ImageView};

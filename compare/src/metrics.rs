@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::flip::{FlipMap, FlipSummary, Viewing, flip};
 use crate::ssim::{SsimMap, ssim};
-use crate::stats::{mean, percentile};
+use crate::stats::{self, mean, percentile, rmse};
 use crate::view::check_shape;
 use crate::{CompareError, ImageView};
 
@@ -141,7 +141,7 @@ impl<'a> Comparison<'a> {
             rows.push(start..errors.len());
         }
         let row = |range: &Range<usize>| errors[range.clone()].iter();
-        let mse = mean(rows.iter().map(|range| row(range).map(|d| d * d)));
+        let mse = stats::mse(rows.iter().map(|range| row(range).copied()));
         let mae = mean(rows.iter().map(|range| row(range).copied()));
         Metrics {
             mse,
@@ -211,7 +211,7 @@ pub fn summarize(
         }
     }
     Ok(StepSummary {
-        rmse: mean(rows.map(|row| row.as_flattened().iter().map(|d| d * d))).sqrt(),
+        rmse: rmse(rows.map(|row| row.as_flattened().iter().copied())),
         max: differences
             .as_flattened()
             .iter()

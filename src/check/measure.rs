@@ -186,10 +186,8 @@ pub(super) fn every(picture: &Values, step: usize) -> Values {
 /// Mean squared difference over all pixels and channels.
 pub(super) fn mse(a: &Values, b: &Values) -> f64 {
     let pairs = a.data.iter().flatten().zip(b.data.iter().flatten());
-    let sum: f64 = pairs
-        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
-        .sum();
-    sum / (3 * a.data.len()).max(1) as f64
+    let errors = pairs.map(|(a, b)| f64::from(*a) - f64::from(*b));
+    rastray_compare::mse(std::iter::once(errors))
 }
 
 /// Its root.

@@ -4,6 +4,8 @@ use std::io::Write;
 
 use rastray::error::Error;
 use rastray::import::{self, Shipped};
+use rastray::report::lines::wrap;
+use rastray::report::origin;
 use serde_json::json;
 
 use super::args::{CompletionsArgs, SceneArgs, ScenesArgs};
@@ -25,6 +27,19 @@ pub(super) fn load(
         imported.notes.iter().for_each(diagnostic::note);
     }
     Ok(imported)
+}
+
+/// The words behind the program's name; what is no Unicode in them has marks in its place.
+pub(super) fn words() -> Vec<String> {
+    let words = std::env::args_os().skip(1);
+    words
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect()
+}
+
+/// The command line as it could be typed again.
+pub(super) fn command_line() -> String {
+    origin::command(words())
 }
 
 /// Writes text to standard output; a closed pipe is not an error.
@@ -78,7 +93,7 @@ fn scene_list(shipped: &[Shipped], columns: Option<usize>) -> String {
         }
         for scene in shipped.iter().filter(|s| s.folder == folder) {
             let column = indent.len() + width + 2;
-            let title = diagnostic::wrap(scene.title, columns, column);
+            let title = wrap(scene.title, columns, column);
             let title = title.replace('\n', &format!("\n{:column$}", ""));
             text += &format!("{indent}{:width$}  {title}\n", scene.name);
         }

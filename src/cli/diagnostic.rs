@@ -6,6 +6,7 @@ use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::{AnsiColor, Style};
 use rastray::error::{Error, Note, Place};
+use rastray::report::lines::wrap;
 
 /// The error without its place, which the snippet shows.
 fn title(error: &Error) -> String {
@@ -60,32 +61,6 @@ pub(super) fn width(stream: impl std::os::fd::AsFd) -> Option<usize> {
 pub(super) fn width(stream: impl std::os::windows::io::AsHandle) -> Option<usize> {
     let size = terminal_size::terminal_size_of(stream);
     size.map(|(width, _)| usize::from(width.0).clamp(NARROWEST, WIDEST))
-}
-
-/// Breaks text between words into lines of `width` characters less an indent.
-pub(super) fn wrap(text: &str, width: Option<usize>, indent: usize) -> String {
-    let Some(width) = width else {
-        return text.to_owned();
-    };
-    let room = width.saturating_sub(indent).max(1);
-    let mut lines = vec![String::new()];
-    let mut length = 0;
-    for word in text.split(' ') {
-        let more = word.chars().count();
-        if length > 0 && length + 1 + more > room {
-            lines.push(String::new());
-            length = 0;
-        }
-        if let Some(line) = lines.last_mut() {
-            if length > 0 {
-                line.push(' ');
-                length += 1;
-            }
-            line.push_str(word);
-            length += more;
-        }
-    }
-    lines.join("\n")
 }
 
 const RED: Style = AnsiColor::BrightRed.on_default().bold();
@@ -167,20 +142,6 @@ pub(crate) fn note(note: &Note) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn text_is_broken_between_words() {
-        let text = "one two three four";
-        assert_eq!(wrap(text, None, 7), text);
-        assert_eq!(wrap(text, Some(100), 7), text);
-        assert_eq!(wrap(text, Some(14), 4), "one two\nthree four");
-        // A word that is too long stands alone.
-        assert_eq!(
-            wrap("a longerthanthat b", Some(10), 4),
-            "a\nlongerthanthat\nb"
-        );
-        assert_eq!(wrap("", Some(10), 4), "");
-    }
 
     #[test]
     fn no_line_is_wider_than_the_terminal() {

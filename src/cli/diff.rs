@@ -12,7 +12,7 @@ use rastray::report::files;
 use rastray_compare::DEFAULT_PPD;
 
 use super::args::FollowArgs;
-use super::compare::command_line;
+use super::commands::command_line;
 use super::options::Verbosity;
 use super::watch::{Made, follow};
 use super::{commands, diagnostic};

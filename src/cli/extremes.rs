@@ -8,7 +8,7 @@ use rastray::error::Error;
 use rastray::report::{atlas, files};
 use rastray::trade::extremes::{self, Options};
 
-use super::compare::command_line;
+use super::commands::command_line;
 use super::options::{Verbosity, parse_size};
 use super::progress::Progress;
 use super::trade::TradeArgs;

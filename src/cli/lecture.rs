@@ -6,18 +6,17 @@
 use std::path::Path;
 
 use rastray::error::{Error, Note};
-use rastray::frame::Plane;
 use rastray::import::{Imported, LoadOptions, load, shipped};
-use rastray::math::color::quantize8;
 use rastray::render::{Options, Renderer};
 use rastray::report::deck::{Deck, Entry, Slide, stems};
+use rastray::report::difference::{signed, stored_difference};
 use rastray::report::equation::Form;
 use rastray::report::files;
 use rastray::report::folder::File;
 use rastray::report::topic::Topics;
 
 use super::args::LectureArgs;
-use super::compare::{command_line, signed};
+use super::commands::command_line;
 use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::render::picture;
@@ -116,26 +115,13 @@ fn drawn(ready: &Ready, stem: String, args: &LectureArgs, folder: &Path) -> Resu
         topics: ready.topics.clone(),
         form: Form::of(scene),
         view: view(&args.quality),
-        difference: signed(&difference(&trace, &raster))?,
+        difference: signed(&stored_difference(&trace, &raster))?,
         raster,
         trace,
     };
     let (files, entry) = slide.finish()?;
     write(folder, &files)?;
     Ok(entry)
-}
-
-/// The difference of what the files store: 8 bits of linear values, as `compare` takes it.
-fn difference(trace: &Plane<[f32; 3]>, raster: &Plane<[f32; 3]>) -> Plane<[f64; 3]> {
-    let stored = |x: f32| f64::from(quantize8(x)) / 255.0;
-    let pairs = trace.data.iter().zip(&raster.data);
-    Plane {
-        width: trace.width,
-        height: trace.height,
-        data: pairs
-            .map(|(t, r)| [0, 1, 2].map(|c| stored(t[c]) - stored(r[c])))
-            .collect(),
-    }
 }
 
 fn write(folder: &Path, files: &[File]) -> Result<(), Error> {
@@ -147,13 +133,6 @@ fn write(folder: &Path, files: &[File]) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_difference_is_of_stored_values() {
-        let plane = |x: f32| Plane::filled(1, 1, [x; 3]);
-        let d = difference(&plane(2.0), &plane(0.5 / 255.0 - 1e-4));
-        assert_eq!(d.data[0], [1.0; 3]);
-    }
 
     #[test]
     fn the_lecture_is_all_of_its_folder_in_order() {

@@ -10,10 +10,10 @@ mod compare;
 mod diagnostic;
 mod diff;
 mod explain;
+mod explain_line;
 mod extremes;
 mod inspect;
 mod lecture;
-mod live;
 #[cfg(feature = "opengl")]
 mod opengl;
 #[cfg(not(feature = "opengl"))]
@@ -26,7 +26,6 @@ mod render;
 mod series;
 mod sheet;
 mod show;
-mod telling;
 mod trade;
 mod verify;
 mod watch;
@@ -173,6 +172,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Explain(args) => explain::explain(args, verbosity).map(done),
         Command::Diff(args) => diff::diff(args, verbosity),
         Command::Check(args) => check::check(args, verbosity),
+        Command::Trade(args) if args.extremes => extremes::extremes(args, verbosity),
         Command::Trade(args) => trade::trade(args, verbosity),
         Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {

@@ -9,7 +9,9 @@ use rastray::math::color::quantize8;
 use rastray::peers::agreement::{Agreement, Pair};
 use rastray::peers::opengl::{Info, Options, Picture, with_driver};
 use rastray::render::{self, Assembled, Job, Rasterizer, Renderer};
+use rastray::report::difference::compared;
 use rastray::report::files;
+use rastray::report::origin;
 use rastray::report::peer::{Both, PeerReport, PeerSummary, Seconds};
 use rastray::sampling::Pattern;
 use rastray::scene::Scene;
@@ -19,8 +21,7 @@ use rastray_compare::{
 use serde_json::{Value, json};
 
 use super::args::CompareArgs;
-use super::commands;
-use super::compare::{command_line, figure, settings};
+use super::commands::{self, command_line};
 use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
 use super::watch::Made;
@@ -83,7 +84,7 @@ pub(super) fn compare(args: &CompareArgs, verbosity: Verbosity) -> Result<(Made,
         opengl: measured.opengl,
         summary: measured.summary,
         notes: [&imported.notes[..], &outlines(scene)[..]].concat(),
-        settings: settings(scene, &render),
+        settings: origin::settings(scene, &render),
     };
     write(&path, &report)?;
     drop(progress);
@@ -280,8 +281,8 @@ fn stored_metrics(raster: &Plane<[f32; 3]>, opengl: &Plane<[f32; 3]>) -> Result<
         |plane: &Plane<[f32; 3]>| plane.map(|c| c.map(|x| f32::from(quantize8(x)) / 255.0));
     let (test, reference) = (stored(raster), stored(opengl));
     let (width, height) = (test.width, test.height);
-    let image = |data| figure(ImageView::new(width, height, data, Encoding::Linear));
-    figure(metrics(&image(&test.data)?, &image(&reference.data)?))
+    let image = |data| compared(ImageView::new(width, height, data, Encoding::Linear));
+    compared(metrics(&image(&test.data)?, &image(&reference.data)?))
 }
 
 /// Raster minus OpenGL.
@@ -294,7 +295,7 @@ fn differences(m: &Measured) -> Vec<[f64; 3]> {
 
 fn difference(m: &Measured) -> Result<Map, Error> {
     let (width, height) = (m.raster.width, m.raster.height);
-    figure(signed_map(
+    compared(signed_map(
         width,
         height,
         &differences(m),
@@ -308,5 +309,5 @@ fn same_triangle(m: &Measured) -> Result<Map, Error> {
     let same: Vec<[f64; 3]> = all
         .map(|(d, same)| if *same { d } else { [0.0; 3] })
         .collect();
-    figure(magnitude_map(width, height, &same, Reduction::Largest))
+    compared(magnitude_map(width, height, &same, Reduction::Largest))
 }

@@ -1,4 +1,4 @@
-//! `rastray render`: one picture.
+//! `rastray render`: one picture, or a series of them.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,8 +7,10 @@ use rastray::error::Error;
 use rastray::frame::{Layers, Plane};
 use rastray::import::Imported;
 use rastray::render::{Assembled, Drawn, Job, Options, Renderer, Seconds};
+use rastray::report::animation;
 use rastray::report::files::{self, Format};
 use rastray::report::layered::NamedLayer;
+use rastray::report::picture::Picture;
 use rastray::scene::Scene;
 use rastray::trade::choose::Choice;
 use rastray::trade::setting::Setting;
@@ -17,9 +19,9 @@ use serde_json::{Value, json};
 use super::args::{ClampArg, RenderArgs, Who};
 use super::options::{Verbosity, apply, view};
 use super::progress::Progress;
-use super::series::Series;
+use super::series::{Series, fits_memory, is_gif, numbered};
 use super::watch::{Made, follow};
-use super::{commands, diagnostic, opengl, pick, series};
+use super::{commands, diagnostic, opengl, pick};
 
 /// How a picture of `render` is made.
 struct Plan {
@@ -41,7 +43,7 @@ struct Done {
 }
 
 /// A render of a loaded scene.
-pub(super) struct Shot {
+struct Shot {
     imported: Imported,
     import_seconds: f64,
     by: Who,
@@ -53,7 +55,7 @@ pub(super) struct Shot {
 
 impl Shot {
     /// The picture, linear.
-    pub(super) fn color(&self) -> &Plane<[f32; 3]> {
+    fn color(&self) -> &Plane<[f32; 3]> {
         &self.done.color
     }
 }
@@ -80,7 +82,7 @@ pub(super) fn render(args: &RenderArgs, verbosity: Verbosity) -> Result<(), Erro
         &args.scene.scene,
         verbosity,
         || match &several {
-            Some(frames) => series::render(args, frames, verbosity),
+            Some(frames) => all(args, frames, verbosity),
             None => one(args, verbosity),
         },
     )
@@ -99,7 +101,7 @@ fn check_output(args: &RenderArgs, several: bool) -> Result<(), Error> {
         let message = "standard output takes one picture, and once";
         return Err(Error::parameter(flag, message).with_help("give it a file: -o NAME.png"));
     }
-    if series::is_gif(output) {
+    if is_gif(output) {
         if several {
             return layers_need_exr(args, Format::Png);
         }
@@ -146,11 +148,7 @@ fn one(args: &RenderArgs, verbosity: Verbosity) -> Result<Made, Error> {
 }
 
 /// Loads the scene with further overrides and renders it.
-pub(super) fn shoot(
-    args: &RenderArgs,
-    sets: &[String],
-    verbosity: Verbosity,
-) -> Result<Shot, Error> {
+fn shoot(args: &RenderArgs, sets: &[String], verbosity: Verbosity) -> Result<Shot, Error> {
     let start = Instant::now();
     let mut imported = commands::load(&args.scene, sets, verbosity)?;
     let import_seconds = start.elapsed().as_secs_f64();
@@ -266,7 +264,7 @@ pub(super) fn picture(
 }
 
 /// Times and counters of a render.
-pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
+fn stats(shot: &Shot, write_seconds: f64) -> Value {
     let (scene, done) = (&shot.imported.scene, &shot.done);
     json!({
         "scene": scene.name,
@@ -294,7 +292,7 @@ pub(super) fn stats(shot: &Shot, write_seconds: f64) -> Value {
 }
 
 /// Writes and prints times and counters where they were asked for.
-pub(super) fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
+fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
     if let Some(file) = &args.stats {
         files::write_bytes_atomic(file, format!("{stats:#}\n").as_bytes())?;
     }
@@ -305,12 +303,7 @@ pub(super) fn tell(args: &RenderArgs, stats: &Value) -> Result<(), Error> {
 }
 
 /// Writes a picture in the format of the path, and says what the format loses.
-pub(super) fn write(
-    path: &Path,
-    shot: &Shot,
-    args: &RenderArgs,
-    verbosity: Verbosity,
-) -> Result<(), Error> {
+fn write(path: &Path, shot: &Shot, args: &RenderArgs, verbosity: Verbosity) -> Result<(), Error> {
     let layers: Vec<NamedLayer<'_>> = shot
         .done
         .layers
@@ -326,4 +319,63 @@ pub(super) fn write(
         notes.iter().for_each(diagnostic::note);
     }
     Ok(())
+}
+
+/// Renders all frames.
+fn all(args: &RenderArgs, series: &Series, verbosity: Verbosity) -> Result<Made, Error> {
+    let frames = series.frames();
+    let mut base = commands::load(&args.scene, &[], verbosity)?;
+    apply(&args.quality, &mut base)?;
+    let path = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}.png", base.scene.name)));
+    let gif = is_gif(&path);
+    if gif {
+        fits_memory(&base.scene.image, frames)?;
+    }
+    let camera = base.scene.camera;
+    // The last value is tried before the first is drawn.
+    let last = series.sets(frames - 1, &camera);
+    commands::load(&args.scene, &last, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
+    let progress = Progress::new(verbosity, frames.into());
+    let (mut pictures, mut all_stats) = (Vec::new(), Vec::new());
+    for frame in 0..frames {
+        progress.step(frame.into(), &series.title(frame));
+        let sets = series.sets(frame, &camera);
+        let shot = shoot(args, &sets, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
+        let writing = Instant::now();
+        if gif {
+            pictures.push(Picture::from_linear(shot.color(), view(&args.quality))?);
+        } else {
+            // What the format loses is said once.
+            let said = if frame == 0 {
+                verbosity
+            } else {
+                Verbosity::Quiet
+            };
+            write(&numbered(&path, frame), &shot, args, said)?;
+        }
+        all_stats.push(stats(&shot, writing.elapsed().as_secs_f64()));
+    }
+    if gif {
+        progress.step(frames.into(), "palette and GIF");
+        files::write_bytes_atomic(&path, &animation::gif(&pictures, args.fps)?)?;
+    }
+    drop(progress);
+    let (first, end) = if gif {
+        (path.clone(), path)
+    } else {
+        (numbered(&path, 0), numbered(&path, frames - 1))
+    };
+    if first == end {
+        verbosity.say(first.display());
+    } else {
+        verbosity.say(format!("{} to {}", first.display(), end.display()));
+    }
+    tell(args, &json!({ "frames": all_stats }))?;
+    Ok(Made {
+        inputs: base.files,
+        result: first,
+    })
 }

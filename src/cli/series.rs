@@ -4,23 +4,14 @@
 //! value, so that whatever follows from them (a fitted near distance, a range) is what a file saying so would have.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use rastray::error::Error;
 use rastray::import::keys::wants_whole;
 use rastray::math::DVec3;
 use rastray::report::animation;
-use rastray::report::files;
-use rastray::report::picture::Picture;
 use rastray::scene::{Camera, ImageSettings};
-use serde_json::json;
 
 use super::args::RenderArgs;
-use super::commands;
-use super::options::{Verbosity, apply, view};
-use super::progress::Progress;
-use super::render::{shoot, stats, tell, write};
-use super::watch::Made;
 
 /// Most frames of a series.
 const MOST: u32 = 10_000;
@@ -65,7 +56,8 @@ impl Series {
         }
     }
 
-    fn frames(&self) -> u32 {
+    /// Their number.
+    pub(super) fn frames(&self) -> u32 {
         match self {
             Self::Turntable(frames) => *frames,
             Self::Vary(vary) => vary.frames,
@@ -73,7 +65,7 @@ impl Series {
     }
 
     /// The overrides of a frame; `camera` is that of the scene without them.
-    fn sets(&self, frame: u32, camera: &Camera) -> Vec<String> {
+    pub(super) fn sets(&self, frame: u32, camera: &Camera) -> Vec<String> {
         match self {
             Self::Turntable(frames) => {
                 let eye = turned(camera, frame, *frames).to_array();
@@ -88,7 +80,7 @@ impl Series {
     }
 
     /// What a frame is called while it is drawn.
-    fn title(&self, frame: u32) -> String {
+    pub(super) fn title(&self, frame: u32) -> String {
         match self {
             Self::Turntable(frames) => {
                 let degrees = 360.0 * f64::from(frame) / f64::from(*frames);
@@ -99,7 +91,7 @@ impl Series {
     }
 
     /// An error about an override in the words of the flag that made it.
-    fn own_words(&self, error: Error) -> Error {
+    pub(super) fn own_words(&self, error: Error) -> Error {
         let Self::Vary(vary) = self else {
             return error;
         };
@@ -239,14 +231,14 @@ pub(super) fn is_gif(path: &Path) -> bool {
 }
 
 /// `name.png` to `name-0001.png`.
-fn numbered(path: &Path, frame: u32) -> PathBuf {
+pub(super) fn numbered(path: &Path, frame: u32) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{:04}.{extension}", frame + 1))
 }
 
 /// Refuses a GIF whose frames would not fit into memory.
-fn fits_memory(image: &ImageSettings, frames: u32) -> Result<(), Error> {
+pub(super) fn fits_memory(image: &ImageSettings, frames: u32) -> Result<(), Error> {
     let pixels = u64::from(image.width) * u64::from(image.height) * u64::from(frames);
     let most = animation::MAX_PIXELS;
     if pixels <= most {
@@ -254,69 +246,6 @@ fn fits_memory(image: &ImageSettings, frames: u32) -> Result<(), Error> {
     }
     let message = format!("{frames} frames have {pixels} pixels, expected at most {most} in a GIF");
     Err(Error::limit(message).with_help("take a smaller --size, or numbered .png files"))
-}
-
-/// Renders all frames.
-pub(super) fn render(
-    args: &RenderArgs,
-    series: &Series,
-    verbosity: Verbosity,
-) -> Result<Made, Error> {
-    let frames = series.frames();
-    let mut base = commands::load(&args.scene, &[], verbosity)?;
-    apply(&args.quality, &mut base)?;
-    let path = args
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("{}.png", base.scene.name)));
-    let gif = is_gif(&path);
-    if gif {
-        fits_memory(&base.scene.image, frames)?;
-    }
-    let camera = base.scene.camera;
-    // The last value is tried before the first is drawn.
-    let last = series.sets(frames - 1, &camera);
-    commands::load(&args.scene, &last, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
-    let progress = Progress::new(verbosity, frames.into());
-    let (mut pictures, mut all_stats) = (Vec::new(), Vec::new());
-    for frame in 0..frames {
-        progress.step(frame.into(), &series.title(frame));
-        let sets = series.sets(frame, &camera);
-        let shot = shoot(args, &sets, Verbosity::Quiet).map_err(|e| series.own_words(e))?;
-        let writing = Instant::now();
-        if gif {
-            pictures.push(Picture::from_linear(shot.color(), view(&args.quality))?);
-        } else {
-            // What the format loses is said once.
-            let said = if frame == 0 {
-                verbosity
-            } else {
-                Verbosity::Quiet
-            };
-            write(&numbered(&path, frame), &shot, args, said)?;
-        }
-        all_stats.push(stats(&shot, writing.elapsed().as_secs_f64()));
-    }
-    if gif {
-        progress.step(frames.into(), "palette and GIF");
-        files::write_bytes_atomic(&path, &animation::gif(&pictures, args.fps)?)?;
-    }
-    drop(progress);
-    let (first, end) = if gif {
-        (path.clone(), path)
-    } else {
-        (numbered(&path, 0), numbered(&path, frames - 1))
-    };
-    if first == end {
-        verbosity.say(first.display());
-    } else {
-        verbosity.say(format!("{} to {}", first.display(), end.display()));
-    }
-    tell(args, &json!({ "frames": all_stats }))?;
-    Ok(Made {
-        inputs: base.files,
-        result: first,
-    })
 }
 
 #[cfg(test)]

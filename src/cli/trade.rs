@@ -10,6 +10,7 @@ use rastray::frame::Plane;
 use rastray::import::Imported;
 use rastray::lanes::Isa;
 use rastray::report::files::{self, View};
+use rastray::report::origin::{quoted, sets};
 use rastray::report::trade::TradeReport;
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::Scene;
@@ -22,10 +23,9 @@ use rastray::trade::timing::ROUNDS;
 use rastray::trade::truth::{End, IDEAL_SAMPLES, Truth};
 
 use super::args::SceneArgs;
-use super::extremes::extremes;
 use super::options::{Verbosity, parse_size};
 use super::progress::Progress;
-use super::{commands, compare, diagnostic, show, verify};
+use super::{commands, diagnostic, show, verify};
 
 /// Pixels of the measured pictures where nobody says: 160 x 120 for most scenes.
 const PIXELS: f64 = 19_200.0;
@@ -124,9 +124,6 @@ impl TradeArgs {
 
 /// Runs the command.
 pub(super) fn trade(args: &TradeArgs, verbosity: Verbosity) -> Result<ExitCode, Error> {
-    if args.extremes {
-        return extremes(args, verbosity);
-    }
     let scene_args = args.scene()?;
     let options = args.options()?;
     let mut imported = commands::load(&scene_args, &[], verbosity)?;
@@ -191,8 +188,8 @@ fn measured(
     let answers = pictures(scene, &trade, &outcome, options.isa)?;
     drop(progress);
     let report = TradeReport {
-        scene_arguments: typed(scene_args),
-        command: compare::command_line(),
+        scene_arguments: quoted(&scene_args.scene) + &sets(&scene_args.sets),
+        command: commands::command_line(),
         view: View::Linear,
         truth: to_f32(&truth.color),
         answers,
@@ -273,15 +270,6 @@ fn pictures(
 
 fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
     plane.map(|c| c.map(|x| x as f32))
-}
-
-/// The scene and its overrides as they can be typed again.
-fn typed(args: &SceneArgs) -> String {
-    let mut words = vec![compare::quoted(&args.scene)];
-    for set in &args.sets {
-        words.push(format!("--set {}", compare::quoted(set)));
-    }
-    words.join(" ")
 }
 
 fn settings(

@@ -10,6 +10,8 @@
 //! Where the scene blends transmissive surfaces (`raster.transparency = "blend"`), rung 3 is drawn again with them opaque:
 //! rays blend nothing, and what is judged here is where the two renderers must agree.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Error;
 use crate::frame::{Frame, NONE};
 use crate::gl::ShadeModel;
@@ -26,7 +28,7 @@ const EXACT_EDGE_PX: f64 = 1.0 / 4096.0;
 const TIE: f64 = 1.0 / 4_194_304.0;
 
 /// Who covers the interior pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Both renderers see something.
     pub both: u64,
@@ -37,7 +39,7 @@ pub struct Coverage {
 }
 
 /// Rungs 3 and 4 compared at the interior pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Agreement {
     /// Largest error relative to max(1, magnitude), over channels.
     pub interior_max: f64,

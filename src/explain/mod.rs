@@ -35,9 +35,11 @@ mod tree;
 mod value;
 
 pub use value::{
-    Blended, Cause, Coefficients, Explanation, Factors, Hit, Kind, Light, LightTerms, Raster, Ray,
+    Blended, Cause, Coefficients, Explanation, Factors, Hit, Light, LightTerms, Raster, Ray,
     Reflection, Refraction, Samples, Terms, Trace, Vector, Vertex,
 };
+
+pub use crate::trace::record::Kind;
 
 use crate::decompose::{self, CAUSES, rungs_at};
 use crate::error::Error;

@@ -3,8 +3,9 @@
 
 use serde::{Serialize, Serializer};
 
-use super::value::{Hit, Kind, Ray, Terms, Trace, Vector};
+use super::value::{Hit, Ray, Terms, Trace, Vector};
 use crate::math::color::Rgb;
+use crate::trace::record::Kind;
 
 /// Levels of rays that are nested; the primary ray is the first.
 pub const LEVELS: u32 = 64;

@@ -1,10 +1,10 @@
 //! The tracer's record as the weighted ray tree.
 
 use super::local::{Local, Place, Shadows, angle_deg, local_sum};
-use super::value::{Hit, Kind, Ray, Reflection, Refraction};
+use super::value::{Hit, Ray, Reflection, Refraction};
 use crate::math::DVec3;
 use crate::math::color::Rgb;
-use crate::trace::record::{self, ForkRecord, Meeting, Record, Traced};
+use crate::trace::record::{ForkRecord, Meeting, Record, Traced};
 
 /// The rays of the kept sample, in the order of the record.
 pub(super) fn rays(local: &Local<'_>, record: &Record<f64>, depth: u32) -> Vec<Ray> {
@@ -31,11 +31,7 @@ pub(super) fn rays(local: &Local<'_>, record: &Record<f64>, depth: u32) -> Vec<R
 
 fn ray(local: &Local<'_>, traced: &Traced<f64>, generation: u32, depth: u32) -> Ray {
     let mut ray = Ray {
-        kind: match traced.kind {
-            record::Kind::Primary => Kind::Primary,
-            record::Kind::Reflection => Kind::Reflection,
-            record::Kind::Refraction => Kind::Refraction,
-        },
+        kind: traced.kind,
         parent: traced.parent,
         generation,
         origin: traced.ray.origin.to_array(),

@@ -6,6 +6,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::math::color::Rgb;
+use crate::trace::record::Kind;
 
 /// A point or direction, world space.
 pub type Vector = [f64; 3];
@@ -261,18 +262,6 @@ pub struct Trace {
     pub stored: [u8; 3],
     /// The rays, generation by generation; the first is the primary one. A ray's number is its place here.
     pub rays: Vec<Ray>,
-}
-
-/// How a ray came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// From the eye.
-    Primary,
-    /// Mirrored.
-    Reflection,
-    /// Transmitted.
-    Refraction,
 }
 
 /// A ray and the light that it brings back.

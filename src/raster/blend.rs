@@ -16,7 +16,7 @@
 
 use super::Counters;
 use super::Plan;
-use super::records::{Record, TILE};
+use super::bin::{Binned, TILE};
 use super::shade::{Pass, Workspace};
 use super::tile::Visibility;
 use crate::lanes::Real;
@@ -74,7 +74,7 @@ impl<R: Real> Workspace<R> {
         self.fragments.clear();
         for chunk in plan.chunks.iter().filter(|c| c.meets_tile(tile)) {
             for triangle in chunk.of_tile(tile) {
-                let Record { primitive, .. } = *triangle.0;
+                let Binned { primitive, .. } = *triangle.0;
                 let Some(alpha) = plan.blend_alpha(primitive) else {
                     continue;
                 };

@@ -2,7 +2,7 @@
 //! anybody who wants to check them. They call what [`super::Plan`] calls.
 
 use super::attribute::Weights;
-use super::records::{SampleBox, TILE, TileGrid};
+use super::bin::{SampleBox, TILE, TileGrid};
 use super::setup::{Builder, DepthOrder};
 use super::tile::{Samples, Visibility};
 use super::view::{Vertex, View};

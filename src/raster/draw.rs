@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::bin::{TILE, TileArea};
 use super::lit::Mode;
 use super::record::Record;
-use super::records::{TILE, TileArea};
 use super::shade::{Pass, Shown, Workspace};
 use super::tile::Samples;
 use super::{Counters, Options, Plan};

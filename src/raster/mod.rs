@@ -26,6 +26,7 @@
 //! Left out: points, lines, user clip planes, polygon offset, fog, textures; blending but for transmissive surfaces.
 
 mod attribute;
+mod bin;
 mod blend;
 mod clip;
 mod coverage;
@@ -36,7 +37,6 @@ mod jumps;
 mod lit;
 mod outline;
 pub mod record;
-mod records;
 mod setup;
 mod shade;
 mod sides;
@@ -62,10 +62,10 @@ use crate::sampling::{self, Pattern};
 use crate::scene::Scene;
 use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{self, Feature, Model, Requirements};
+use bin::{Chunk, SampleBox, TileGrid};
 use draw::Drawer;
 use lit::Mode;
 use record::Record;
-use records::{Chunk, SampleBox, TileGrid};
 use setup::{Builder, DepthOrder};
 use view::{Vertex, View};
 

@@ -2,7 +2,7 @@
 //!
 //! Facing is decided on the numbers before snapping, exactly; coverage on the snapped vertices where a triangle has them
 //! (`edges`), else on its sides (`sides`). A triangle whose exact or snapped area is 0 draws nothing. Triangles are set up
-//! in parallel in chunks of consecutive primitives; each chunk lists, for each tile, its records in order, so walking the
+//! in parallel in chunks of consecutive primitives; each chunk lists, for each tile, its triangles in order, so walking the
 //! chunks in order gives primitive order whatever the thread count.
 //!
 //! Depth is a key, larger = closer, that is affine in the picture: 1 / distance (perspective: reversed depth with an
@@ -10,9 +10,9 @@
 //! keys of the triangle's own vertices: a sample that only snapping gave to a steep triangle must not leap forward. The depth
 //! test and the depth range decide what the key is made of ([`DepthOrder`]): the kernels only ask for the larger one.
 
+use super::bin::{BY_SIDES, Binned, Chunk, SampleBox, TILE, TileArea, TileGrid};
 use super::clip::{Polygon, clip};
 use super::edges::{Edges, SAMPLE_BITS};
-use super::records::{BY_SIDES, Chunk, Record, SampleBox, TILE, TileArea, TileGrid};
 use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
 use crate::math::color::clamp01;
@@ -57,7 +57,7 @@ pub(super) struct Builder<'a> {
     cull: Cull,
     order: DepthOrder,
     chunk: Chunk,
-    /// Tile and record, in primitive order.
+    /// Tile and triangle, in primitive order.
     entries: Vec<(u32, u32)>,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Builder<'a> {
         } else {
             (snapped, v)
         };
-        let record = Record {
+        let triangle = Binned {
             x: [snapped[0][0], snapped[1][0], snapped[2][0]],
             y: [snapped[0][1], snapped[1][1], snapped[2][1]],
             key,
@@ -126,7 +126,7 @@ impl<'a> Builder<'a> {
             primitive,
         };
         let (grid, bits, samples) = (self.grid, self.view.bits, self.samples);
-        self.push(record, tiles, |tile| {
+        self.push(triangle, tiles, |tile| {
             meets(v, bits, &grid.tile(tile), samples)
         });
         self.chunk.counters.triangles_drawn += 1;
@@ -152,7 +152,7 @@ impl<'a> Builder<'a> {
         }
         let Some(sides) = sides else { return };
         let (key, range) = self.depth(primitive, &corners, vertices);
-        let record = Record {
+        let triangle = Binned {
             x: [BY_SIDES, first[0] as i32, last[0] as i32],
             y: [
                 self.chunk.sides.len() as i32,
@@ -165,7 +165,7 @@ impl<'a> Builder<'a> {
         };
         self.chunk.sides.push(sides);
         let tiles = [0, 1].map(|axis| [first[axis] / TILE, last[axis] / TILE]);
-        self.push(record, tiles, |_| true);
+        self.push(triangle, tiles, |_| true);
         let counters = &mut self.chunk.counters;
         counters.triangles_drawn += 1;
         let outside = |v: &Vertex| self.view.inside_near(v) < 0.0 || self.view.inside_far(v) < 0.0;
@@ -228,14 +228,14 @@ impl<'a> Builder<'a> {
         }
         let mut next = offsets.clone();
         let mut items = vec![0u32; self.entries.len()];
-        for (tile, record) in &self.entries {
+        for (tile, triangle) in &self.entries {
             let slot = &mut next[*tile as usize];
-            items[*slot as usize] = *record;
+            items[*slot as usize] = *triangle;
             *slot += 1;
         }
         self.chunk.offsets = offsets;
         self.chunk.items = items;
-        self.chunk.records.shrink_to_fit();
+        self.chunk.triangles.shrink_to_fit();
         self.chunk
     }
 
@@ -313,12 +313,12 @@ impl<'a> Builder<'a> {
 
     fn push(
         &mut self,
-        record: Record,
+        triangle: Binned,
         [[left, right], [top, bottom]]: [[usize; 2]; 2],
         meets: impl Fn(usize) -> bool,
     ) {
-        let number = self.chunk.records.len() as u32;
-        self.chunk.records.push(record);
+        let number = self.chunk.triangles.len() as u32;
+        self.chunk.triangles.push(triangle);
         let several = (right - left + 1) * (bottom - top + 1) > 2;
         for row in top..=bottom {
             for column in left..=right {

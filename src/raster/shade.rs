@@ -11,10 +11,10 @@
 //! apart under separate specular), then the sum at the fragment.
 
 use super::attribute::{Weights, mix, mix_colors, mix3};
+use super::bin::{TILE, TileArea};
 use super::blend::Front;
 use super::lit::{Lit, Mode, Output};
 use super::record::Record;
-use super::records::{TILE, TileArea};
 use super::slots::SlotMap;
 use super::tile::{Samples, Visibility};
 use super::view::orientation;

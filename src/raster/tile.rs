@@ -1,14 +1,14 @@
 //! Visibility in one screen tile: which primitive each sample sees.
 //!
-//! In: records in primitive order, the sample of each pixel. Out: primitive number and depth key of each pixel's sample.
+//! In: triangles in primitive order, the sample of each pixel. Out: primitive number and depth key of each pixel's sample.
 //! Nothing is shaded here, so that each visible sample is shaded once. A nearer key wins, equal keys leave the lower
 //! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by 256, rounded
 //! down: exact, since samples are whole pixels apart), else in 64. Jittered samples always take 64 bits.
 //! [`Visibility::probe`] asks the same of one triangle against depths that stay, for blending.
 
 use super::Counters;
+use super::bin::{Binned, Form, TILE, TileArea};
 use super::edges::{Edges, SAMPLE_BITS};
-use super::records::{Form, Record, TILE, TileArea};
 use super::setup::pixels;
 use super::sides::{ALL, Sample, Sides};
 use crate::frame::NONE;
@@ -95,7 +95,7 @@ impl Visibility {
         &mut self,
         other: &Self,
         (area, samples, bits): (&TileArea, &Samples<'_>, u32),
-        triangle: (&Record, Form<'_>),
+        triangle: (&Binned, Form<'_>),
         counters: &mut Counters,
         mut found: impl FnMut(usize, usize),
     ) {
@@ -121,11 +121,11 @@ impl Visibility {
         area: &TileArea,
         samples: &Samples<'_>,
         bits: u32,
-        (record, form): (&Record, Form<'_>),
+        (triangle, form): (&Binned, Form<'_>),
         counters: &mut Counters,
     ) -> Option<Window> {
         match form {
-            Form::Snapped(v) => self.draw_snapped(area, samples, bits, record, v, counters),
+            Form::Snapped(v) => self.draw_snapped(area, samples, bits, triangle, v, counters),
             Form::Sides { sides, first, last } => {
                 let mut window = Window {
                     first: [0; 2],
@@ -140,7 +140,7 @@ impl Visibility {
                     window.first[axis] = least - area.corner[axis];
                     window.count[axis] = end - least;
                 }
-                self.by_sides(area, samples, &window, record, sides, counters);
+                self.by_sides(area, samples, &window, triangle, sides, counters);
                 Some(window)
             }
         }
@@ -151,7 +151,7 @@ impl Visibility {
         area: &TileArea,
         samples: &Samples<'_>,
         bits: u32,
-        record: &Record,
+        triangle: &Binned,
         v: [[i64; 2]; 3],
         counters: &mut Counters,
     ) -> Option<Window> {
@@ -202,13 +202,13 @@ impl Visibility {
                 if largest(0).max(largest(1)).max(largest(2)) < 1 << 24 {
                     let narrow = |v: [i64; 3]| [v[0] as i32, v[1] as i32, v[2] as i32];
                     let edges = [narrow(e), narrow(a), narrow(b)];
-                    self.rows::<i32>(&window, edges, record, x, y, counters);
+                    self.rows::<i32>(&window, edges, triangle, x, y, counters);
                 } else {
-                    self.rows::<i64>(&window, [e, a, b], record, x, y, counters);
+                    self.rows::<i64>(&window, [e, a, b], triangle, x, y, counters);
                 }
             }
             Samples::Each { offset, ray } => {
-                self.scattered(&window, &edges, record, offset, ray, counters);
+                self.scattered(&window, &edges, triangle, offset, ray, counters);
             }
         }
         Some(window)
@@ -220,13 +220,13 @@ impl Visibility {
         area: &TileArea,
         samples: &Samples<'_>,
         window: &Window,
-        record: &Record,
+        triangle: &Binned,
         sides: &Sides,
         counters: &mut Counters,
     ) {
         let ([left, top], [width, height]) = (window.first, window.count);
-        let [k0, kx, ky] = record.key;
-        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
+        let [k0, kx, ky] = triangle.key;
+        let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
         counters.fragments_tested += (width * height) as u64;
         for y in top..top + height {
             // Samples at one place in every pixel lie on a line: what both ends say holds between them.
@@ -250,7 +250,7 @@ impl Visibility {
                 let key = limit(k0 + ky * sample.ray[1] + kx * sample.ray[0], range);
                 if key > self.key[at] {
                     self.key[at] = key;
-                    self.primitive[at] = record.primitive;
+                    self.primitive[at] = triangle.primitive;
                     counters.fragments_passed += 1;
                 }
             }
@@ -262,14 +262,14 @@ impl Visibility {
         &mut self,
         window: &Window,
         [mut e, a, b]: [[T; 3]; 3],
-        record: &Record,
+        triangle: &Binned,
         x: &[f64],
         y: &[f64],
         counters: &mut Counters,
     ) {
         let ([left, top], [width, height]) = (window.first, window.count);
-        let [k0, kx, ky] = record.key;
-        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
+        let [k0, kx, ky] = triangle.key;
+        let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
         let xs = &x[left..left + width];
         // What each edge gains at most on the way to the end of a row.
         let steps = width - 1;
@@ -299,7 +299,11 @@ impl Visibility {
                 let key = limit(row_key + kx * x, range);
                 let passes = inside & (key > *seen);
                 *seen = if passes { key } else { *seen };
-                *primitive = if passes { record.primitive } else { *primitive };
+                *primitive = if passes {
+                    triangle.primitive
+                } else {
+                    *primitive
+                };
                 covered += u32::from(inside);
                 passed += u32::from(passes);
                 // Step one pixel rightwards.
@@ -315,14 +319,14 @@ impl Visibility {
         &mut self,
         window: &Window,
         edges: &Edges,
-        record: &Record,
+        triangle: &Binned,
         offset: &[[i64; 2]],
         ray: &[[f64; 2]],
         counters: &mut Counters,
     ) {
         let ([left, top], [width, height]) = (window.first, window.count);
-        let [k0, kx, ky] = record.key;
-        let range = [f64::from(record.range[0]), f64::from(record.range[1])];
+        let [k0, kx, ky] = triangle.key;
+        let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
         for row in 0..height {
             for column in 0..width {
                 let at = (top + row) * TILE + left + column;
@@ -336,7 +340,7 @@ impl Visibility {
                 let key = limit(k0 + ky * ray[at][1] + kx * ray[at][0], range);
                 if key > self.key[at] {
                     self.key[at] = key;
-                    self.primitive[at] = record.primitive;
+                    self.primitive[at] = triangle.primitive;
                     counters.fragments_passed += 1;
                 }
             }

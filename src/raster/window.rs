@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::attribute::Weights;
-use super::records::TILE;
+use super::bin::TILE;
 use super::tile::{Samples, Visibility};
 use super::{Counters, Plan};
 use crate::frame::{NONE, Plane};

@@ -5,13 +5,13 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
+use super::document::{ARTICLE, Document};
 use super::files::View;
 use super::folder::File;
 use super::formats::png;
 use super::numbers::{count, value};
-use super::page::style;
 use crate::error::Error;
 use crate::frame::Plane;
 use crate::trade::extremes::{Atlas, BAR, BAR_HIGH_EXPONENT, Cell, Condition, Figure, Sheet};
@@ -110,36 +110,32 @@ impl Tally {
 /// What encoding a picture refuses.
 pub fn page(atlas: &Atlas, command: &str) -> Result<String, Error> {
     let [width, height] = atlas.size;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="generator" content="rastray";
-                title { "Extremes · rastray trade" }
-                style { (PreEscaped(style(include_str!("atlas.css")))) }
+    let body = html! {
+        body {
+            header {
+                p.kicker { "rastray trade --extremes · pictures of " (width) " × " (height) " pixels" }
+                h1 { "What holds at the ends of the numbers" }
+                p.lead { (verdict(atlas)) }
+                (how_to_read(atlas))
+                (overview(atlas))
             }
-            body {
-                header {
-                    p.kicker { "rastray trade --extremes · pictures of " (width) " × " (height) " pixels" }
-                    h1 { "What holds at the ends of the numbers" }
-                    p.lead { (verdict(atlas)) }
-                    (how_to_read(atlas))
-                    (overview(atlas))
-                }
-                main {
-                    @for sheet in &atlas.sheets { (section(sheet)?) }
-                }
-                footer {
-                    p { "Made by rastray " (env!("CARGO_PKG_VERSION")) " with " code { (command) } ". Every number is in "
-                        a href="extremes.csv" { "extremes.csv" } " and " a href="extremes.json" { "extremes.json" }
-                        ". Type: Inter, SIL Open Font License 1.1." }
-                }
+            main {
+                @for sheet in &atlas.sheets { (section(sheet)?) }
+            }
+            footer {
+                p { "Made by rastray " (env!("CARGO_PKG_VERSION")) " with " code { (command) } ". Every number is in "
+                    a href="extremes.csv" { "extremes.csv" } " and " a href="extremes.json" { "extremes.json" }
+                    ". Type: Inter, SIL Open Font License 1.1." }
             }
         }
     };
-    Ok(page.into_string())
+    let document = Document {
+        title: "Extremes · rastray trade".to_owned(),
+        policy: None,
+        sheets: &[ARTICLE, include_str!("atlas.css")],
+        body,
+    };
+    Ok(document.into_html())
 }
 
 /// The result in a sentence: "221 of 232 figures agree within the bar; 11 are of ill-conditioned scenes; none at fault."

@@ -3,17 +3,18 @@
 //! `raster.png opengl.png difference.png side-by-side.png summary.json index.html`. Pictures are GL's: clamped, 8 bits. The
 //! agreement is measured in float, once unclamped and once with GL's clamps.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use rastray_compare::Map as Difference;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::document::{ARTICLE, Document};
 use super::figures::{Panel, strip};
 use super::files::View;
 use super::folder::File;
 use super::formats::{png, png_of_picture};
 use super::numbers::{count, value};
-use super::page::{legend, linear_image, map_picture, style};
+use super::page::{legend, linear_image, map_picture};
 use super::picture::Picture;
 use super::summary::Metrics;
 use crate::error::{Error, Note};
@@ -200,50 +201,46 @@ impl PeerReport {
     fn to_html(&self) -> Result<String, Error> {
         let [w, h] = self.summary.size;
         let driver = &self.summary.driver;
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content="rastray";
-                    title { (self.title) " · rastray against OpenGL" }
-                    style { (PreEscaped(style(include_str!("page/page.css")))) }
+        let body = html! {
+            body {
+                header {
+                    p.kicker { "rastray compare --against opengl · " (w) " × " (h) " pixels" }
+                    h1 { (self.title) }
+                    p.lead { (self.verdict()) }
                 }
-                body {
-                    header {
-                        p.kicker { "rastray compare --against opengl · " (w) " × " (h) " pixels" }
-                        h1 { (self.title) }
-                        p.lead { (self.verdict()) }
-                    }
-                    main {
-                        (self.pictures()?)
-                        (self.numbers())
-                        section {
-                            h2 { "The driver" }
-                            dl {
-                                dt { "renderer" } dd { (driver.renderer) }
-                                dt { "version" } dd { (driver.version) }
-                                dt { "vendor" } dd { (driver.vendor) }
-                                dt { "GLSL" } dd { (driver.shading_language) }
-                                dt { "EGL platform" } dd { (driver.platform) }
-                                dt { "lights" } dd { (driver.max_lights) }
-                                dt { "sub-pixel bits" } dd { (driver.subpixel_bits) }
-                            }
-                            h2 { "How this was made" }
-                            pre { code { (self.command) } }
-                            dl { @for (name, setting) in &self.settings { dt { (name) } dd { (setting) } } }
-                            @if !self.notes.is_empty() {
-                                h2 { "Notes on the scene" }
-                                ul { @for note in &self.notes { li { (note.to_string()) } } }
-                            }
+                main {
+                    (self.pictures()?)
+                    (self.numbers())
+                    section {
+                        h2 { "The driver" }
+                        dl {
+                            dt { "renderer" } dd { (driver.renderer) }
+                            dt { "version" } dd { (driver.version) }
+                            dt { "vendor" } dd { (driver.vendor) }
+                            dt { "GLSL" } dd { (driver.shading_language) }
+                            dt { "EGL platform" } dd { (driver.platform) }
+                            dt { "lights" } dd { (driver.max_lights) }
+                            dt { "sub-pixel bits" } dd { (driver.subpixel_bits) }
+                        }
+                        h2 { "How this was made" }
+                        pre { code { (self.command) } }
+                        dl { @for (name, setting) in &self.settings { dt { (name) } dd { (setting) } } }
+                        @if !self.notes.is_empty() {
+                            h2 { "Notes on the scene" }
+                            ul { @for note in &self.notes { li { (note.to_string()) } } }
                         }
                     }
-                    footer { "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Type: Inter, SIL Open Font License 1.1." }
                 }
+                footer { "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Type: Inter, SIL Open Font License 1.1." }
             }
         };
-        Ok(page.into_string())
+        let document = Document {
+            title: format!("{} · rastray against OpenGL", self.title),
+            policy: None,
+            sheets: &[ARTICLE],
+            body,
+        };
+        Ok(document.into_html())
     }
 
     /// The result in two sentences.

@@ -11,6 +11,7 @@ pub use rastray_compare::{FlipSummary, Metrics};
 use rastray_compare::StepSummary;
 
 use super::numbers::value;
+use crate::decompose::Agreement;
 
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,30 +38,6 @@ pub struct Summary {
     pub counters: Map<String, Value>,
     /// Wall-clock seconds by phase.
     pub seconds: Map<String, Value>,
-}
-
-/// Rungs 3 and 4: per-fragment rasterization and primary rays on the same triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Agreement {
-    /// Largest difference relative to max(1, magnitude), away from triangle edges and discontinuities of the model.
-    pub interior_max: f64,
-    /// Mean of the same.
-    pub interior_mean: f64,
-    /// Pixels left out because they lie at an edge or discontinuity.
-    pub edge_pixels: usize,
-    /// Which renderer sees a surface where.
-    pub coverage: Coverage,
-}
-
-/// Pixels with a surface at their centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Coverage {
-    /// In both renderers.
-    pub both: usize,
-    /// Only in the rasterizer.
-    pub raster_only: usize,
-    /// Only in the tracer.
-    pub trace_only: usize,
 }
 
 /// One step of the ladder.
@@ -128,6 +105,7 @@ impl Summary {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::decompose::Coverage;
 
     pub(in crate::report) fn example() -> Summary {
         let names = [

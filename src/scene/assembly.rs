@@ -15,7 +15,7 @@ use crate::gl;
 use crate::lanes::Real;
 use crate::math::float::normalize;
 use crate::math::transform::{mirrors, normal_matrix, rescale_factor};
-use crate::math::{DAffine3, DMat3, DVec2, DVec3};
+use crate::math::{DAffine3, DMat3, DVec3};
 
 /// The most triangles a render accepts.
 pub const MAX_TRIANGLES: usize = 1 << 28;
@@ -31,8 +31,6 @@ pub struct Assembly<R> {
     pub normal_eye: [Vec<R>; 3],
     /// Length that each normal enters per-vertex lighting with; empty = 1 for all (`normalize = true`).
     pub normal_length: Vec<R>,
-    /// Texture coordinates (0 where a mesh has none).
-    pub texcoord: [Vec<R>; 2],
     /// Vertex colours; empty where no material follows them. Objects without colours are white.
     pub color: [Vec<R>; 3],
     /// Vertex numbers of each triangle; the last is the provoking vertex.
@@ -143,7 +141,7 @@ impl<R: Real> Assembly<R> {
         let base = self.position_from_eye.len() as u32;
         if !flat {
             for (i, p) in mesh.positions.iter().enumerate() {
-                self.push_vertex(&place, *p, mesh.normals[i], mesh.texcoords.get(i));
+                self.push_vertex(&place, *p, mesh.normals[i]);
             }
         }
         for (i, triangle) in mesh.triangles.iter().enumerate() {
@@ -152,8 +150,8 @@ impl<R: Real> Assembly<R> {
                 let points = triangle.map(|v| mesh.positions[v as usize]);
                 let normal = (points[1] - points[0]).cross(points[2] - points[0]);
                 let normal = DVec3::from_array(normalize(normal.to_array()).0);
-                for (v, p) in triangle.iter().zip(points) {
-                    self.push_vertex(&place, p, normal, mesh.texcoords.get(*v as usize));
+                for p in points {
+                    self.push_vertex(&place, p, normal);
                 }
                 [first, first + 1, first + 2]
             } else {
@@ -199,7 +197,7 @@ impl<R: Real> Assembly<R> {
         }
     }
 
-    fn push_vertex(&mut self, place: &Placement, p: DVec3, n: DVec3, texcoord: Option<&DVec2>) {
+    fn push_vertex(&mut self, place: &Placement, p: DVec3, n: DVec3) {
         let world = place.world_from_object.transform_point3(p);
         let from_eye = world - place.eye;
         let eye = place.rotation * from_eye;
@@ -214,9 +212,6 @@ impl<R: Real> Assembly<R> {
         if let Some(factor) = place.length_factor {
             self.normal_length.push(R::from_f64(length * factor));
         }
-        let texcoord = texcoord.copied().unwrap_or(DVec2::ZERO);
-        self.texcoord[0].push(R::from_f64(texcoord.x));
-        self.texcoord[1].push(R::from_f64(texcoord.y));
     }
 }
 

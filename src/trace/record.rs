@@ -5,6 +5,8 @@
 //! numbers that made the picture. Points and directions in world space unless the name ends in `_eye`; f64, and `R` for what
 //! the equation took and gave. A pixel's waves are never cut, so a wave's rays follow each other here.
 
+use serde::Serialize;
+
 use super::branch::{Forked, Path};
 use super::media::{AIR, Media};
 use super::ray::{Foot, Ray};
@@ -15,7 +17,8 @@ use crate::math::DVec3;
 use crate::math::color::Rgb;
 
 /// How a ray came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// From the eye.
     Primary,

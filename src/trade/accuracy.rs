@@ -4,7 +4,7 @@
 //! are, so that an infinite highlight gives a large number instead of none. Silhouettes are set apart because they drown
 //! everything else: one pixel at an edge that shows the other surface is off by as much as the surfaces differ.
 
-use rastray_compare::{CompareError, Encoding, ImageView, Viewing, flip};
+use rastray_compare::{CompareError, Encoding, ImageView, Viewing, flip, rmse};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
@@ -37,14 +37,14 @@ impl Errors {
             return Self::default();
         }
         let n = sizes.len();
-        let squares: f64 = sizes.iter().map(|x| x * x).sum();
+        let rmse = rmse(std::iter::once(sizes.iter().copied()));
         let sum: f64 = sizes.iter().sum();
         // The smallest value that at least 99 % do not exceed.
         let rank = (n * 99).div_ceil(100).clamp(1, n) - 1;
         let (_, p99, rest) = sizes.select_nth_unstable_by(rank, f64::total_cmp);
         let (p99, max) = (*p99, rest.iter().copied().fold(*p99, f64::max));
         Self {
-            rmse: (squares / n as f64).sqrt(),
+            rmse,
             mean: sum / n as f64,
             p99,
             max,

@@ -5,11 +5,12 @@
 //! 0), or the traced one is wiped over the rasterized one (W). Without scripts, and printed, the slides follow each other,
 //! one a page. Nothing is loaded from anywhere: pictures, type, style and script are in the file.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
+use super::super::document::Document;
 use super::super::equation::{Form, Piece, Script, Term, pieces, plain, runs};
 use super::super::folder::{RASTER_NOTE, TRACE_NOTE};
-use super::super::page::{grouped, image, legend, piece, style};
+use super::super::page::{grouped, image, legend, piece};
 use super::super::prose;
 use super::super::topic::Topics;
 use super::slide::label_parts;
@@ -41,28 +42,24 @@ impl Deck {
     /// The page.
     pub(super) fn to_html(&self) -> String {
         let count = self.entries.len();
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content="rastray";
-                    title { (title(count)) " · rastray lecture" }
-                    style { (PreEscaped(style(include_str!("deck.css")))) }
+        let body = html! {
+            body data-view="all" {
+                main {
+                    (self.first())
+                    @for (i, entry) in self.entries.iter().enumerate() { (slide(entry, i + 1, count)) }
                 }
-                body data-view="all" {
-                    main {
-                        (self.first())
-                        @for (i, entry) in self.entries.iter().enumerate() { (slide(entry, i + 1, count)) }
-                    }
-                    (bar())
-                    p.spoken #spoken aria-live="polite" {}
-                    script { (PreEscaped(include_str!("deck.js"))) }
-                }
+                (bar())
+                p.spoken #spoken aria-live="polite" {}
+                script { (PreEscaped(include_str!("deck.js"))) }
             }
         };
-        page.into_string()
+        let document = Document {
+            title: format!("{} · rastray lecture", title(count)),
+            policy: None,
+            sheets: &[include_str!("deck.css")],
+            body,
+        };
+        document.into_html()
     }
 
     /// The title slide: the equation, and all questions.

@@ -346,14 +346,13 @@ fn readings(a: &Plane<[f32; 3]>, b: &Plane<[f32; 3]>) -> Readings {
     }
 }
 
-/// Root mean squared error, rows from the top down.
+/// Root mean squared error of stored values.
 fn rmse(a: &Plane<[f32; 3]>, b: &Plane<[f32; 3]>) -> f64 {
     let rows = a.data.chunks(a.width).zip(b.data.chunks(b.width));
-    let sum = rows.fold(0.0, |sum, (a, b)| {
+    rastray_compare::rmse(rows.map(|(a, b)| {
         let pairs = a.as_flattened().iter().zip(b.as_flattened());
-        sum + pairs.fold(0.0, |s, (a, b)| s + (f64::from(*a) - f64::from(*b)).powi(2))
-    });
-    (sum / (3 * a.data.len()) as f64).sqrt()
+        pairs.map(|(a, b)| f64::from(*a) - f64::from(*b))
+    }))
 }
 
 impl DiffSummary {

@@ -1,50 +1,51 @@
 //! `index.html` of two pictures: one self-contained page.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use rastray_compare::Map;
 
 use super::{DIFFERENCE_NOTE, Diff, ERROR_NOTE, FLIP_NOTE, Side};
 use crate::error::Error;
+use crate::report::document::{ARTICLE, Document};
 use crate::report::files::View;
 use crate::report::numbers::value;
-use crate::report::page::{legend, linear_image, map_picture, style};
+use crate::report::page::{legend, linear_image, map_picture};
 
 impl Diff {
     /// The page: both pictures, the maps, the numbers, what was assumed.
     pub(super) fn to_html(&self) -> Result<String, Error> {
         let summary = &self.summary;
         let [w, h] = summary.size;
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content="rastray";
-                    title { (short(&summary.b)) " against " (short(&summary.a)) " · rastray diff" }
-                    style { (PreEscaped(style(include_str!("../page/page.css")))) }
+        let body = html! {
+            body {
+                header {
+                    p.kicker { "rastray diff · " (w) " × " (h) " pixels" }
+                    h1 { (short(&summary.b)) " against " (short(&summary.a)) }
+                    p.lead { (summary.verdict()) }
+                    @if let Some(advice) = summary.advice() { p { strong { (advice) } } }
                 }
-                body {
-                    header {
-                        p.kicker { "rastray diff · " (w) " × " (h) " pixels" }
-                        h1 { (short(&summary.b)) " against " (short(&summary.a)) }
-                        p.lead { (summary.verdict()) }
-                        @if let Some(advice) = summary.advice() { p { strong { (advice) } } }
-                    }
-                    main {
-                        (self.pictures()?)
-                        (self.maps()?)
-                        (self.numbers())
-                        (self.origin())
-                    }
-                    footer {
-                        "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Pictures show stored values as they are, limited to \
-                         0…1; maps are in sRGB. Type: Inter, SIL Open Font License 1.1."
-                    }
+                main {
+                    (self.pictures()?)
+                    (self.maps()?)
+                    (self.numbers())
+                    (self.origin())
+                }
+                footer {
+                    "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Pictures show stored values as they are, limited to \
+                     0…1; maps are in sRGB. Type: Inter, SIL Open Font License 1.1."
                 }
             }
         };
-        Ok(page.into_string())
+        let document = Document {
+            title: format!(
+                "{} against {} · rastray diff",
+                short(&summary.b),
+                short(&summary.a)
+            ),
+            policy: None,
+            sheets: &[ARTICLE],
+            body,
+        };
+        Ok(document.into_html())
     }
 
     /// A | difference | B.

@@ -11,6 +11,7 @@
 //! | file | what |
 //! | - | - |
 //! | `live` `mix` `codec` | pictures and layers, packed to fit |
+//! | `telling` | the pixels that are explained beforehand |
 //! | `head` `still` `viewer` `sections` | title and equation; what needs no script; the moving part's frame; words and tables |
 //! | `parts` | what other pages use, too |
 
@@ -21,24 +22,27 @@ mod mix;
 mod parts;
 mod sections;
 mod still;
+mod telling;
 mod viewer;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use rastray_compare::{Map, Scale, ScaleKind};
 use serde_json::{Value, json};
 
 use crate::error::{Error, Note};
 use crate::frame::Plane;
 
+use super::document::{ARTICLE, Document};
 use super::equation::{Form, Term};
 use super::files::View;
 use super::summary::Summary;
 
 pub use live::Live;
-pub(super) use parts::{grouped, image, legend, linear_image, map_picture, piece, style};
+pub(super) use parts::{grouped, image, legend, linear_image, map_picture, piece};
 pub(super) use sections::capital;
+pub(super) use telling::explained;
 
 /// A comparison of one scene, with everything that the page and the files beside it show.
 #[derive(Clone, Debug)]
@@ -101,45 +105,39 @@ const POLICY: &str = "default-src 'none'; img-src data: blob:; font-src data:; s
 impl Report {
     /// The page.
     pub fn to_html(&self) -> Result<String, Error> {
-        let sheet = [include_str!("page.css"), include_str!("live.css")].concat();
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta http-equiv="Content-Security-Policy" content=(POLICY);
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content="rastray";
-                    title { (self.title) " · rastray compare" }
-                    style { (PreEscaped(style(&sheet))) }
+        let body = html! {
+            body {
+                header { (head::title(self)) }
+                main {
+                    (head::equation(self.form))
+                    (head::symbols(self.form))
+                    (still::pictures(self)?)
+                    (viewer::viewer(self))
+                    (still::causes(self)?)
+                    (viewer::pixel())
+                    (still::growth(self)?)
+                    (sections::explanations(&self.summary, self.pixels()))
+                    (sections::numbers(self)?)
+                    (sections::agreement(&self.summary))
+                    (sections::methods(&self.live))
+                    (sections::work(&self.summary))
+                    (sections::origin(self))
                 }
-                body {
-                    header { (head::title(self)) }
-                    main {
-                        (head::equation(self.form))
-                        (head::symbols(self.form))
-                        (still::pictures(self)?)
-                        (viewer::viewer(self))
-                        (still::causes(self)?)
-                        (viewer::pixel())
-                        (still::growth(self)?)
-                        (sections::explanations(&self.summary, self.pixels()))
-                        (sections::numbers(self)?)
-                        (sections::agreement(&self.summary))
-                        (sections::methods(&self.live))
-                        (sections::work(&self.summary))
-                        (sections::origin(self))
-                    }
-                    footer {
-                        "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Pictures show stored values as they are"
-                        @if self.view == View::Srgb { ", through the sRGB view transform" }
-                        "; maps are in sRGB. Type: Inter, SIL Open Font License 1.1."
-                    }
-                    (self.data())
+                footer {
+                    "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Pictures show stored values as they are"
+                    @if self.view == View::Srgb { ", through the sRGB view transform" }
+                    "; maps are in sRGB. Type: Inter, SIL Open Font License 1.1."
                 }
+                (self.data())
             }
         };
-        Ok(page.into_string())
+        let document = Document {
+            title: format!("{} · rastray compare", self.title),
+            policy: Some(POLICY),
+            sheets: &[ARTICLE, include_str!("live.css")],
+            body,
+        };
+        Ok(document.into_html())
     }
 
     /// Pixels of the picture.

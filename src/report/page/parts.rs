@@ -1,4 +1,4 @@
-//! What pages are made of: the style sheet that all share, pieces of the equation, pictures, legends.
+//! What pages are made of: pieces of the equation, pictures, legends.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -12,25 +12,6 @@ use crate::report::files::View;
 use crate::report::formats::{png, png_of_picture, png_small};
 use crate::report::numbers::tick;
 use crate::report::picture::Picture;
-use crate::report::text;
-
-/// Colours on white paper; every text has at least 4.5 : 1 against what it stands on.
-const LIGHT: &str = "--paper: #ffffff; --ink: #1b1f24; --grey: #59626d; --line: #e1e5e9; --tint: #f5f7f9; \
-                     --local: #0364b4; --global: #964c04; --mark: #ffe0bd; --bar: #419efe;";
-/// The same in the dark.
-const DARK: &str = "--paper: #14171b; --ink: #e9ebee; --grey: #a4acb6; --line: #2d333a; --tint: #1c2126; \
-                    --local: #80bcfe; --global: #fa9e5d; --mark: #5a3a16; --bar: #0581e6;";
-
-/// A style sheet behind what all pages share: type, colours, the equation.
-pub(in crate::report) fn style(own: &str) -> String {
-    let sheet = [include_str!("base.css"), own].concat();
-    sheet
-        .replace("@REGULAR@", &BASE64.encode(text::REGULAR))
-        .replace("@SEMIBOLD@", &BASE64.encode(text::SEMIBOLD))
-        .replace("@ITALIC@", &BASE64.encode(text::ITALIC))
-        .replace("@LIGHT@", LIGHT)
-        .replace("@DARK@", DARK)
-}
 
 /// One piece as HTML. A line may break before a sign, not behind it.
 pub(in crate::report) fn piece(p: &Piece) -> Markup {

@@ -74,6 +74,7 @@ pub(in crate::report) fn capital(text: &str) -> String {
 pub(super) fn agreement(summary: &Summary) -> Markup {
     let a = &summary.agreement;
     let c = &a.coverage;
+    let count = |pixels: u64| count(pixels as usize);
     let coverage = match c.raster_only + c.trace_only {
         0 => "Neither sees a surface where the other does not.".to_owned(),
         _ => format!(

@@ -1,6 +1,6 @@
 //! The page of a trade.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::words::{
     answer, band, capital, followed, judged, minus, number_cell, sentences, short, target, time,
@@ -8,8 +8,9 @@ use super::words::{
 };
 use super::{TradeReport, charts, plot};
 use crate::error::Error;
+use crate::report::document::{ARTICLE, Document};
 use crate::report::numbers::{count, tick, value};
-use crate::report::page::{linear_image, style};
+use crate::report::page::linear_image;
 use crate::trade::axis::Law;
 use crate::trade::cost::{F64_FACTOR, WEIGHTS};
 use crate::trade::finding::{AxisFinding, Curve, Row};
@@ -19,43 +20,38 @@ impl TradeReport {
     pub(super) fn to_html(&self) -> Result<String, Error> {
         let trade = &self.trade;
         let [w, h] = trade.size;
-        let sheet = [include_str!("../page/page.css"), include_str!("trade.css")].concat();
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content="rastray";
-                    title { (trade.scene) " · rastray trade" }
-                    style { (PreEscaped(style(&sheet))) }
-                }
-                body {
-                    header {
-                        p.kicker { "rastray trade · " (w) " × " (h) " pixels · " (trade.measured) " settings" }
-                        h1 { (trade.scene) }
-                        p.lead { (verdict(trade)) }
-                        @if trade.measured < trade.settings {
-                            p.unfinished {
-                                (trade.measured) " of " (trade.settings) " settings are measured so far. The same command goes on "
-                                "where this run ended."
-                            }
+        let body = html! {
+            body {
+                header {
+                    p.kicker { "rastray trade · " (w) " × " (h) " pixels · " (trade.measured) " settings" }
+                    h1 { (trade.scene) }
+                    p.lead { (verdict(trade)) }
+                    @if trade.measured < trade.settings {
+                        p.unfinished {
+                            (trade.measured) " of " (trade.settings) " settings are measured so far. The same command goes on "
+                            "where this run ended."
                         }
                     }
-                    main {
-                        (self.answer_cards()?)
-                        (self.front_section())
-                        (self.knobs())
-                        (self.slopes())
-                        (self.power())
-                        (self.all_settings())
-                        (self.origin())
-                    }
-                    footer { "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Type: Inter, SIL Open Font License 1.1." }
                 }
+                main {
+                    (self.answer_cards()?)
+                    (self.front_section())
+                    (self.knobs())
+                    (self.slopes())
+                    (self.power())
+                    (self.all_settings())
+                    (self.origin())
+                }
+                footer { "Made by rastray " (env!("CARGO_PKG_VERSION")) ". Type: Inter, SIL Open Font License 1.1." }
             }
         };
-        Ok(page.into_string())
+        let document = Document {
+            title: format!("{} · rastray trade", trade.scene),
+            policy: None,
+            sheets: &[ARTICLE, include_str!("trade.css")],
+            body,
+        };
+        Ok(document.into_html())
     }
 
     /// The cheapest setting for each error, with its command and picture; the truth beside them.

@@ -48,23 +48,23 @@ pub(super) fn cell(
     let (trace, trace_picture, _) = bench.figure(Renderer::Trace, bar)?;
     let exact = shot(&bench.draw(Renderer::Cast, Precision::F64, Rounded::default())?);
     let same = || (0..mesh.object.len()).filter(|i| mesh.object[*i] == exact.object[*i]);
-    let squares =
-        same().flat_map(|i| [0, 1, 2].map(|c| squared(mesh.color[i][c], exact.color[i][c])));
+    let errors = same().flat_map(|i| [0, 1, 2].map(|c| error(mesh.color[i][c], exact.color[i][c])));
     Ok(Cell {
         scene: name,
         setting,
         bar,
         raster,
         trace,
-        mesh_rmse: (squares.sum::<f64>() / (3 * same().count()).max(1) as f64).sqrt(),
+        mesh_rmse: rastray_compare::rmse(std::iter::once(errors)),
         mesh_pixels: mesh.object.len() - same().count(),
         raster_picture,
         trace_picture,
     })
 }
 
-fn squared(a: f64, b: f64) -> f64 {
-    if a == b { 0.0 } else { (a - b) * (a - b) }
+/// Of equal infinities none.
+fn error(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { a - b }
 }
 
 fn shot(picture: &Picture) -> Shot {

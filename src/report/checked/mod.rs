@@ -1,7 +1,13 @@
-//! Pictures of a check: the given one, the one with the mistake that explains it, the right one, and their differences.
+//! A check as people and programs read it: pictures here, `text` for a terminal, `json` for programs.
 //!
+//! Pictures are the given one, the one with the mistake that explains it, the right one, and their differences.
 //! Values are shown as the files store them. The difference maps share one scale, so that what the mistake explains is seen
 //! to go.
+
+mod json;
+mod text;
+
+use std::path::Path;
 
 use rastray_compare::{Reduction, Scale, ScaleKind};
 
@@ -10,8 +16,9 @@ use super::files::View;
 use super::folder::File;
 use super::formats::{png, png_of_picture};
 use super::numbers::value;
+use super::origin::{quoted, sets};
 use super::picture::Picture;
-use crate::check::{Given, Report, Verdict};
+use crate::check::{Given, Report, Telling};
 use crate::error::Error;
 use crate::frame::Plane;
 
@@ -25,6 +32,36 @@ pub struct Checked<'a> {
     pub report: &'a Report,
     /// The picture that was checked.
     pub given: &'a Given,
+    /// As what.
+    pub asked: Asked<'a>,
+}
+
+/// What a check was asked, in the words of its command line.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// The file that was checked.
+    pub image: &'a Path,
+    /// The scene: a file, or a shipped one's name.
+    pub scene: &'a str,
+    /// Overrides of its keys.
+    pub sets: &'a [String],
+    /// `--mode` was given.
+    pub mode: bool,
+    /// `--shading` was given.
+    pub shading: bool,
+}
+
+impl Asked<'_> {
+    /// The line that explains a pixel.
+    fn explain(&self, [width, height]: [usize; 2], told: &Telling) -> String {
+        format!(
+            "rastray explain {} {} {} --size {width}x{height}{}",
+            quoted(self.scene),
+            told.x,
+            told.y,
+            sets(self.sets)
+        )
+    }
 }
 
 impl Checked<'_> {
@@ -61,7 +98,7 @@ impl Checked<'_> {
         )
     }
 
-    /// The files of a folder: the strip, and its pictures one by one, pixel for pixel.
+    /// The files of a folder: the strip, its pictures one by one, pixel for pixel, and `check.json`.
     ///
     /// # Errors
     /// As [`Self::strip`].
@@ -77,6 +114,8 @@ impl Checked<'_> {
         if let Some(mistaken) = &self.report.mistaken {
             files.push(file("mistaken.png", png(mistaken, View::Linear)?));
         }
+        let report = format!("{:#}\n", self.to_json());
+        files.push(file("check.json", report.into_bytes()));
         Ok(files)
     }
 
@@ -106,15 +145,6 @@ impl Checked<'_> {
             scale: Some(scale),
         };
         enlarged(picture)
-    }
-}
-
-/// What the verdict is called in JSON.
-pub fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Right => "right",
-        Verdict::Mistake => "mistake",
-        Verdict::Unexplained => "none of these",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Triangles that are ready to be filled, listed tile by tile, and the tiles themselves.
 //!
-//! In: what `setup` made of consecutive primitives. Out: for each tile its records in primitive order, with what decides
+//! In: what `setup` made of consecutive primitives. Out: for each tile its triangles in primitive order, with what decides
 //! their coverage.
 
 use super::Counters;
@@ -68,7 +68,7 @@ pub(super) struct SampleBox {
 
 /// A triangle ready to be filled: 64 bytes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Record {
+pub(super) struct Binned {
     /// Snapped x; or `BY_SIDES`, and the first and last column of the picture that it may meet.
     pub(super) x: [i32; 3],
     /// Snapped y; or an index into `Chunk::sides`, and the first and last row.
@@ -81,7 +81,7 @@ pub(super) struct Record {
     pub(super) primitive: u32,
 }
 
-/// Marks a record whose coverage its sides decide.
+/// Marks a triangle whose coverage its sides decide.
 pub(super) const BY_SIDES: i32 = i32::MIN;
 
 /// How the coverage of a triangle is decided.
@@ -104,36 +104,36 @@ pub(super) enum Form<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
     /// The triangles that may be seen.
-    pub(super) records: Vec<Record>,
+    pub(super) triangles: Vec<Binned>,
     /// Sides of those that need them.
     pub(super) sides: Vec<Sides>,
     /// Per tile, where its part of `items` starts; one more at the end.
     pub(super) offsets: Vec<u32>,
-    /// Record numbers, tile by tile, each tile in primitive order.
+    /// Numbers of triangles, tile by tile, each tile in primitive order.
     pub(super) items: Vec<u32>,
     /// What happened to the primitives.
     pub(super) counters: Counters,
 }
 
 impl Chunk {
-    /// Whether a tile has records.
+    /// Whether a tile has triangles.
     pub(super) fn meets_tile(&self, tile: usize) -> bool {
         self.offsets[tile] < self.offsets[tile + 1]
     }
 
-    /// The records of a tile in primitive order, with what decides their coverage.
-    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Record, Form<'_>)> {
+    /// The triangles of a tile in primitive order, with what decides their coverage.
+    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = (&Binned, Form<'_>)> {
         let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
         self.items[range].iter().map(|&i| {
-            let record = &self.records[i as usize];
-            (record, self.form(record))
+            let triangle = &self.triangles[i as usize];
+            (triangle, self.form(triangle))
         })
     }
 
     #[inline]
-    fn form(&self, record: &Record) -> Form<'_> {
+    fn form(&self, triangle: &Binned) -> Form<'_> {
         // Written out: closures given to array::map are not inlined here.
-        let ([x0, x1, x2], [y0, y1, y2]) = (record.x, record.y);
+        let ([x0, x1, x2], [y0, y1, y2]) = (triangle.x, triangle.y);
         if x0 == BY_SIDES {
             return Form::Sides {
                 sides: &self.sides[y0 as usize],

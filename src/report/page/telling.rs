@@ -1,12 +1,12 @@
 //! Pixels that `compare` explains beforehand, for its page: those that tell most, then a grid.
 
-use rastray::decompose::{CAUSES, Ladder};
-use rastray::error::Error;
-use rastray::explain::Setting;
-use rastray::frame::{LayerIndex, Plane};
-use rastray::render::Options;
-use rastray::report::page::live::Explained;
-use rastray::scene::Scene;
+use super::live::Explained;
+use crate::decompose::{CAUSES, Ladder};
+use crate::error::Error;
+use crate::explain::Setting;
+use crate::frame::{LayerIndex, Plane};
+use crate::render::Options;
+use crate::scene::Scene;
 use rayon::prelude::*;
 use serde_json::{Number, Value};
 
@@ -18,7 +18,7 @@ const MOST: usize = 5_000_000;
 const PER_CAUSE: usize = 2;
 
 /// Explains pixels of a scene.
-pub(super) fn explained(
+pub(in crate::report) fn explained(
     scene: &Scene,
     ladder: &Ladder,
     options: &Options,
