@@ -216,7 +216,7 @@ impl Case {
         };
         Ok(Buffers {
             rgba: bottom_up(&rgba),
-            depth: bottom_up(&plan.window_depth(&frame).map(|z| *z as f32)),
+            depth: bottom_up(&plan.window_depth(&frame.primitive).map(|z| *z as f32)),
             prim: bottom_up(
                 &frame
                     .primitive

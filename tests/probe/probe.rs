@@ -77,8 +77,8 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
 /// Traces the rays of standard input; those that cannot be traced are told in their lines, and at the end.
 fn trace(arguments: &[String]) -> Result<(), Failure> {
     let precision = match precision(arguments)? {
-        Precision::F32 => rastray::explain::Precision::F32,
-        Precision::F64 => rastray::explain::Precision::F64,
+        Precision::F32 => rastray::render::Precision::F32,
+        Precision::F64 => rastray::render::Precision::F64,
     };
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     let good = trace::answer(std::io::stdin().lock(), precision, &mut out)?;
