@@ -22,6 +22,8 @@ mod whitted;
 mod common {
     pub(crate) mod adapter;
     pub(crate) mod descriptor;
+    pub(crate) mod draw;
+    pub(crate) mod precise;
     pub(crate) mod random;
     pub(crate) mod scale;
     pub(crate) mod text;

@@ -6,8 +6,9 @@
 
 use std::io::{BufRead, Write};
 
-use rastray::explain::{Options, Precision, Setting};
+use rastray::explain::Setting;
 use rastray::import::{LoadOptions, load};
+use rastray::render::{Options, Precision};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
