@@ -17,7 +17,7 @@ use rastray::scene::{
 };
 use rastray::{raster, trace};
 
-use crate::common::draw::{climb, options};
+use crate::common::ladder::{climb, options};
 use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 
 // ---- drawing ------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ use rastray::scene::{
     Camera, Geometry, Material, Mesh, Object, Optics, Projection, Scene, Snap, Transparency,
 };
 
-use crate::common::draw;
+use crate::common::ladder;
 use crate::common::precise::{Precise, assembled, rasterize, rasterizer};
 
 const SHADINGS: [ShadeModel; 3] = [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong];
@@ -332,7 +332,7 @@ fn many_overlapping_panes_pass_through_several_batches() {
 
 #[test]
 fn the_ladder_says_which_step_ends_the_blending() {
-    let climb = |scene: &Scene| draw::climb(scene, &draw::options(Precision::F32));
+    let climb = |scene: &Scene| ladder::climb(scene, &ladder::options(Precision::F32));
     let mut scene = shipped("16-transparency");
     let blended = climb(&scene);
     scene.raster.transparency = Transparency::Opaque;

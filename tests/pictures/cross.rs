@@ -12,8 +12,9 @@ use rastray::render::{Options, Precision};
 use rastray::scene::Scene;
 use rastray::{raster, trace};
 
-use crate::common::draw::{climb, options, scene};
+use crate::common::ladder::{climb, options};
 use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
+use crate::common::scenes::scene;
 
 fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new()

@@ -13,9 +13,9 @@ use rastray::{gl, scene::fit};
 /// Every shape, each lit, one material shiny and one clear.
 const ALL_SHAPES: &str = include_str!("../data/shapes.toml");
 
-use crate::common::draw;
 use crate::common::precise::{assembled, surfaces, tracer};
 use crate::common::random::Random;
+use crate::common::{ladder, scenes};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -472,11 +472,11 @@ fn the_hierarchy_equals_brute_force_on_round_shapes() {
 
 fn all_shapes(width: u32, height: u32) -> Scene {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/shapes.toml");
-    draw::scene(path, [width, height], &[])
+    scenes::scene(path, [width, height], &[])
 }
 
 fn both_agree(scene: &Scene, precision: Precision) {
-    let ladder = draw::climb(scene, &draw::options(precision));
+    let ladder = ladder::climb(scene, &ladder::options(precision));
     assert_eq!(ladder.residual_max, 0.0);
     let agreement = ladder.agreement;
     println!("{agreement:?}");

@@ -7,9 +7,9 @@
 //! `cargo test --test program check::` takes ten planted mistakes over five scenes, at 64x48. All of them:
 //! `cargo test --test program check:: -- --ignored --nocapture`.
 
-use crate::common::draw::scene;
 use crate::common::plain::{Lamp, Matter, Mesh, World, Wrong, gouraud};
 use crate::common::program::rastray;
+use crate::common::scenes::scene;
 use rastray::check::{Finding, Given, Mode, Options, Report, Verdict, check};
 use rastray::frame::{self, Plane};
 use rastray::gl::ShadeModel;

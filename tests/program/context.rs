@@ -16,8 +16,8 @@ use rastray::scene::{
 };
 use rastray::trace;
 
-use crate::common::draw::{climb, options};
 use crate::common::exact;
+use crate::common::ladder::{climb, options};
 
 // ---- scenes with a projection matrix --------------------------------------------------------------------------------
 

@@ -17,16 +17,17 @@ use rastray::trace;
 use serde_json::Value;
 use std::path::Path;
 
-use crate::common::draw::{self, scene};
 use crate::common::exact;
+use crate::common::ladder;
 use crate::common::program;
 use crate::common::random::Random;
+use crate::common::scenes::scene;
 use crate::probe::trace as probe_trace;
 
 fn options(precision: Precision) -> Options {
     Options {
         level: Some(24),
-        ..draw::options(precision)
+        ..ladder::options(precision)
     }
 }
 
@@ -259,7 +260,7 @@ fn causes_are_those_of_the_ladder() {
     for name in ["lights", "19-ray-tree", "two-sided"] {
         let scene = scene(name, [32, 24], &[]);
         let asked = options(Precision::F32);
-        let ladder = draw::climb(&scene, &asked);
+        let ladder = ladder::climb(&scene, &asked);
         for (i, explained) in all(&scene).iter().enumerate() {
             assert_eq!(explained.difference, ladder.total().data[i]);
             for (k, cause) in explained.causes.iter().enumerate() {

@@ -12,7 +12,7 @@ use rastray::scene::requirements::Model;
 use rastray::scene::{Geometry, Object, Projection, Scene, Shape};
 use rastray::{raster, trace};
 
-use crate::common::draw::options;
+use crate::common::ladder::options;
 use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 use crate::common::scale::scaled;
 

@@ -6,7 +6,7 @@ use rastray::math::{DVec2, DVec3};
 use rastray::render::Options;
 use rastray::scene::{Geometry, Projection, Scene, Shape};
 
-use crate::common::draw;
+use crate::common::ladder;
 
 use super::{failure, load_files, load_text, load_with, mesh_of, notes};
 
@@ -607,5 +607,5 @@ fn the_courses_scenes_are_drawn() {
 }
 
 fn climb(scene: &Scene) -> Ladder {
-    draw::climb(scene, &Options::default())
+    ladder::climb(scene, &Options::default())
 }
