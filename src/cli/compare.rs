@@ -105,6 +105,7 @@ fn once(args: &CompareArgs, verbosity: Verbosity) -> Result<Made, Error> {
 mod tests {
     use super::*;
     use rastray::import;
+    use rastray::render::Options;
 
     #[test]
     fn the_number_of_steps_is_known() {

@@ -8,6 +8,8 @@
 mod common {
     pub(crate) mod adapter;
     pub(crate) mod demand;
+    pub(crate) mod program;
+    pub(crate) mod scenes;
 }
 #[path = "../probe"]
 #[allow(dead_code, reason = "the adapter uses all of it, these tests a part")]
@@ -21,6 +23,8 @@ use std::io::Read;
 use std::path::Path;
 
 use common::demand::skip;
+use common::program::{rastray, text};
+use common::scenes;
 use probe::{gl_lights, gl_scene};
 use rastray::context::{
     Array, Buffers, Capability, Context, LightParameter, MatrixMode, PrimitiveMode,
@@ -31,14 +35,12 @@ use rastray::gl::{
     self, ColorControl, ColorMaterial, ColorMaterialMode, Face, LightModel, LightSource, Material,
     ShadeModel, SpecularModel,
 };
-use rastray::import::{LoadOptions, load, shipped};
+use rastray::import::shipped;
 use rastray::lanes::{Isa, Real};
-use rastray::math::color::clamp_rgb;
 use rastray::peers::agreement::{Agreement, Pair};
 use rastray::peers::opengl::{Driver, Info, LightPoint, Method, Options, Picture, with_driver};
-use rastray::raster;
+use rastray::render::{Assembled, Job, Precision, Rasterizer, Renderer};
 use rastray::sampling::Pattern;
-use rastray::scene::assembly::Assembly;
 use rastray::scene::requirements::Model;
 use rastray::scene::{Cull, FrontFace, Projection, Scene, Snap, Transparency};
 use serde_json::Value;
@@ -62,40 +64,33 @@ fn on_driver<T: Send>(work: impl FnOnce(&Driver) -> Result<T, Error> + Send) -> 
 
 /// A shipped scene at a size, lit as OpenGL does.
 fn scene(name: &str, width: u32, height: u32) -> Scene {
-    let mut scene = load(name, &LoadOptions::default())
-        .expect("a shipped scene loads")
-        .scene;
-    (scene.image.width, scene.image.height) = (width, height);
+    let mut scene = scenes::scene(name, [width, height], &[]);
     (scene.image.samples, scene.image.pattern) = (1, Pattern::Grid);
     scene
 }
 
-fn ours<R: Real>(scene: &Scene, assembly: &Assembly<R>, clamp: bool) -> Frame<R> {
-    let options = raster::Options {
-        shading: scene.raster.shading,
-        clamp,
-        layers: false,
-        isa: Isa::detect(),
-    };
-    let plan = raster::Plan::new(scene, assembly, Model::Required);
-    let (mut frame, _) = plan.draw(&options).expect("a picture");
-    if clamp {
-        frame.color.data.iter_mut().for_each(|c| *c = clamp_rgb(*c));
-    }
-    frame
+fn assembled(scene: &Scene, precision: Precision) -> Assembled {
+    Assembled::unchecked(scene, None, precision).expect("an assembly")
+}
+
+fn ours(scene: &Scene, assembled: &Assembled, clamp: bool) -> Frame<f64> {
+    let mut job = Job::new(scene, Renderer::Raster);
+    job.clamp = clamp;
+    let picture = job.draw_of(assembled).expect("a picture").picture;
+    if clamp { picture.clamped() } else { picture }.to_f64()
 }
 
 /// Ours against a picture of the driver.
-fn agreement<R: Real>(
+fn agreement(
     scene: &Scene,
-    assembly: &Assembly<R>,
-    frame: &Frame<R>,
+    assembled: &Assembled,
+    frame: &Frame<f64>,
     peer: &Picture,
     bits: u32,
 ) -> Agreement {
     Agreement::of(&Pair {
         scene,
-        plan: &raster::Plan::new(scene, assembly, Model::Required),
+        plan: &Rasterizer::new(scene, assembled, Model::Required),
         ours: frame,
         peer,
         shading: scene.raster.shading,
@@ -105,7 +100,7 @@ fn agreement<R: Real>(
 
 /// The driver's picture of a scene, and how ours agrees with it.
 fn versus(scene: &Scene, clamp: bool) -> Option<(Picture, Agreement)> {
-    let assembly = Assembly::<f32>::new(scene, None).expect("an assembly");
+    let assembly = assembled(scene, Precision::F32);
     let options = Options {
         shading: scene.raster.shading,
         clamp,
@@ -586,7 +581,7 @@ fn recorded_scenes() {
 fn samples_are_averaged() {
     let mut scene = ball();
     scene.image.samples = 4;
-    let assembly = Assembly::<f32>::new(&scene, None).expect("an assembly");
+    let assembly = assembled(&scene, Precision::F32);
     let options = Options {
         shading: scene.raster.shading,
         clamp: true,
@@ -596,7 +591,8 @@ fn samples_are_averaged() {
     };
     let frame = ours(&scene, &assembly, true);
     let pairs = frame.color.data.iter().zip(&picture.color.data);
-    let far = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|c| (a[c] - b[c]).abs() > 5e-5);
+    let far =
+        |(a, b): (&[f64; 3], &[f32; 3])| (0..3).any(|c| (a[c] - f64::from(b[c])).abs() > 5e-5);
     let differing = pairs.filter(|pair| far(*pair)).count();
     println!("{differing} pixels differ by more than 5e-5");
     assert!(differing < 20, "{differing} pixels");
@@ -610,7 +606,7 @@ fn samples_are_averaged() {
 #[test]
 fn what_opengl_cannot_draw_is_said() {
     let draw = |scene: &Scene| {
-        let assembly = Assembly::<f32>::new(scene, None).expect("an assembly");
+        let assembly = assembled(scene, Precision::F32);
         let options = Options {
             shading: ShadeModel::Gouraud,
             clamp: true,
@@ -638,7 +634,7 @@ fn a_missing_driver_is_a_clear_message() {
         .env("LIBGL_DRIVERS_PATH", "/nonexistent")
         .output()
         .expect("the program runs");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(
         said.contains("OpenGL") && said.contains("libegl1"),
@@ -655,15 +651,10 @@ fn the_command_compares() {
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let run = |extra: &[&str]| {
-        let output = std::process::Command::new(env!("CARGO_BIN_EXE_rastray"))
-            .current_dir(folder.path())
-            .args(["compare", "two-sided", "--against", "opengl"])
-            .args(["--size", "64x48", "-o", "out"])
-            .args(extra)
-            .output()
-            .expect("the program runs");
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        (output.status.code(), said)
+        let args = "compare two-sided --against opengl --size 64x48 -o out";
+        let args: Vec<&str> = args.split(' ').chain(extra.iter().copied()).collect();
+        let output = rastray(folder.path(), &args);
+        (output.status.code(), text(&output.stdout))
     };
     let (code, said) = run(&["--driver-info", "--max-error", "1e-3"]);
     assert_eq!(code, Some(0), "{said}");
@@ -730,12 +721,12 @@ impl Row {
     }
 }
 
-/// A frame of ours as a picture of a peer.
-fn as_picture(scene: &Scene, frame: &Frame<f32>) -> Picture {
+/// A frame of ours, drawn in f32, as a picture of a peer.
+fn as_picture(scene: &Scene, frame: &Frame<f64>) -> Picture {
     Picture {
-        color: frame.color.clone(),
+        color: frame.color.map(|c| c.map(|x| x as f32)),
         // Judged by triangle and colour alone.
-        window_depth: frame.depth.clone(),
+        window_depth: frame.depth.map(|z| *z as f32),
         primitive: frame.primitive.clone(),
         method: Method::FixedFunction { passes: 1 },
         camera: scene.camera,
@@ -752,8 +743,8 @@ fn shipped_scenes() {
         for (shading, row) in SHADINGS.into_iter().zip(&mut rows) {
             let mut scene = scene(shipped.name, 160, 120);
             scene.raster.shading = shading;
-            let exact = Assembly::<f64>::new(&scene, None).expect("an assembly");
-            let single = Assembly::<f32>::new(&scene, None).expect("an assembly");
+            let exact = assembled(&scene, Precision::F64);
+            let single = assembled(&scene, Precision::F32);
             let options = Options {
                 shading,
                 clamp: false,
@@ -980,7 +971,7 @@ fn lighting_against_the_specification() {
 #[test]
 fn numbers_are_those_of_the_assembly() {
     let scene = ball();
-    let assembly = Assembly::<f32>::new(&scene, None).expect("an assembly");
+    let assembly = assembled(&scene, Precision::F32);
     let Some((picture, _)) = versus(&scene, false) else {
         return;
     };
@@ -989,7 +980,7 @@ fn numbers_are_those_of_the_assembly() {
     assert!(
         shown
             .clone()
-            .all(|p| (*p as usize) < assembly.triangles.len())
+            .all(|p| (*p as usize) < assembly.triangles().len())
     );
     let first = &picture.color.data[0];
     let background = scene.image.background.map(|x| x as f32);

@@ -4,52 +4,55 @@
 
 use std::sync::Arc;
 
-use rastray::decompose::{Agreement, Options, decompose};
+use rastray::decompose::Agreement;
 use rastray::frame::{Frame, NONE};
 use rastray::gl::{self, LightSource, ShadeModel, SpecularModel};
 use rastray::import::{LoadOptions, load, shipped};
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DMat3, DMat4, DVec3, DVec4};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
+use rastray::render::{Options, Precision};
 use rastray::scene::{
     Camera, FrontFace, Geometry, Light, LightSpace, Material, Mesh, Object, Optics, Projection,
     Scene, Shape, Snap,
 };
 use rastray::{raster, trace};
 
+use crate::common::ladder::{climb, options};
+use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
+
 // ---- drawing ------------------------------------------------------------------------------------------------------
 
-fn rasterize<R: Real>(scene: &Scene, level: Option<u32>, shading: ShadeModel) -> Frame<R> {
-    let assembly = Assembly::<R>::new(scene, level).expect("a small scene");
+fn rasterized<R: Precise>(scene: &Scene, level: Option<u32>, shading: ShadeModel) -> Frame<R> {
+    let assembly = assembled::<R>(scene, level).expect("a small scene");
     let options = raster::Options {
         shading,
         clamp: false,
         layers: false,
         isa: Isa::detect(),
     };
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
-    plan.draw(&options).expect("drawn").0
+    let drawn = rasterize(&rasterizer(scene, &assembly), &options);
+    drawn.expect("drawn").0
 }
 
-fn traced<R: Real>(scene: &Scene, geometry: trace::Geometry, options: &trace::Options) -> Frame<R> {
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = trace::Plan::new(scene, &assembly, geometry, Model::Required).expect("a plan");
-    plan.draw(options).expect("drawn").0
+fn traced<R: Precise>(
+    scene: &Scene,
+    geometry: trace::Geometry,
+    options: &trace::Options,
+) -> Frame<R> {
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
+    let plan = tracer(scene, &assembly, geometry).expect("a plan");
+    follow(&plan, options).expect("drawn").0
 }
 
-fn agreement<R: Real>(scene: &Scene, level: Option<u32>) -> Agreement {
+fn agreement(scene: &Scene, level: Option<u32>, precision: Precision) -> Agreement {
     let options = Options {
         level,
-        isa: Isa::detect(),
-        model: Model::Required,
         shadows: false,
         reflection: false,
         refraction: false,
+        ..options(precision)
     };
-    decompose::<R>(scene, &options, &|_| {})
-        .expect("drawn")
-        .agreement
+    climb(scene, &options).agreement
 }
 
 fn material(front: gl::Material) -> Material {
@@ -353,9 +356,9 @@ fn the_renderers_agree_on_random_scenes() {
         let level = Some(5 + random.below(12) as u32);
         let single = number % 2 == 0 || number % 5 == 4;
         let found = if single {
-            agreement::<f32>(&scene, level)
+            agreement(&scene, level, Precision::F32)
         } else {
-            agreement::<f64>(&scene, level)
+            agreement(&scene, level, Precision::F64)
         };
         let apart_only = found.coverage.raster_only + found.coverage.trace_only;
         if found.interior_max > 1e-5 || apart_only > 0 {
@@ -386,7 +389,7 @@ fn exact_coverage_is_the_tracers() {
         scene.image.samples = 1;
         scene.raster.snap = Snap::Exact;
         let cast = trace::Options::cast(Isa::detect());
-        let a = rasterize::<f64>(&scene, None, ShadeModel::Flat);
+        let a = rasterized::<f64>(&scene, None, ShadeModel::Flat);
         let b = traced::<f64>(&scene, trace::Geometry::Mesh, &cast);
         pixels += a.primitive.data.len() as u64;
         for pixel in 0..a.primitive.data.len() {
@@ -407,10 +410,10 @@ fn exact_coverage_is_the_tracers() {
 /// Where f32 pictures differ, the pixel's centre is within 2^-12 px of an edge or two surfaces are equally deep.
 fn exact_in_f32(scene: &Scene, name: &str) {
     let cast = trace::Options::cast(Isa::detect());
-    let a = rasterize::<f32>(scene, None, ShadeModel::Flat);
+    let a = rasterized::<f32>(scene, None, ShadeModel::Flat);
     let b = traced::<f32>(scene, trace::Geometry::Mesh, &cast);
-    let assembly = Assembly::<f32>::new(scene, None).expect("a small scene");
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
+    let assembly = assembled::<f32>(scene, None).expect("a small scene");
+    let plan = rasterizer(scene, &assembly);
     let edge = [&a, &b].map(|f| plan.near_edge(&f.primitive, 1.0 / 4096.0));
     for pixel in 0..a.primitive.data.len() {
         let seen = [&a, &b].map(|f| f.primitive.data[pixel]);
@@ -529,9 +532,9 @@ fn no_poisoned_number_makes_a_panic_or_nan() {
 }
 
 /// Draws the scene in every way; panics where a colour is NaN, as debug builds of the renderers do themselves.
-fn poisoned<R: Real>(scene: &Scene) {
+fn poisoned<R: Precise>(scene: &Scene) {
     let isa = Isa::detect();
-    let Ok(assembly) = Assembly::<R>::new(scene, None) else {
+    let Ok(assembly) = assembled::<R>(scene, None) else {
         return;
     };
     let check = |frame: &Frame<R>, what: &str| {
@@ -543,7 +546,7 @@ fn poisoned<R: Real>(scene: &Scene) {
             .any(|c| c.to_f64().is_nan());
         assert!(!nan, "{what}");
     };
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
+    let plan = rasterizer(scene, &assembly);
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
         let options = raster::Options {
             shading,
@@ -551,13 +554,13 @@ fn poisoned<R: Real>(scene: &Scene) {
             layers: false,
             isa,
         };
-        if let Ok((frame, _)) = plan.draw(&options) {
+        if let Ok((frame, _)) = rasterize::<R>(&plan, &options) {
             check(&frame, "rasterized");
         }
     }
     let exact = trace::Geometry::Exact;
-    if let Ok(plan) = trace::Plan::new(scene, &assembly, exact, Model::Required)
-        && let Ok((frame, _)) = plan.draw(&trace::Options::of(scene, isa))
+    if let Ok(plan) = tracer(scene, &assembly, exact)
+        && let Ok((frame, _)) = follow::<R>(&plan, &trace::Options::of(scene, isa))
     {
         check(&frame, "traced");
     }
@@ -601,13 +604,13 @@ fn on_a_grid() -> Scene {
 }
 
 /// The same picture wherever the scene stands: decisions equal, colours within `bar` relative to max(1, magnitude).
-fn unmoved<R: Real>(bar: f64) {
+fn unmoved<R: Precise>(bar: f64) {
     let scene = on_a_grid();
     let options = trace::Options::of(&scene, Isa::detect());
     let draw = |scene: &Scene| {
         [
-            rasterize::<R>(scene, None, ShadeModel::Phong),
-            rasterize::<R>(scene, None, ShadeModel::Gouraud),
+            rasterized::<R>(scene, None, ShadeModel::Phong),
+            rasterized::<R>(scene, None, ShadeModel::Gouraud),
             traced::<R>(scene, trace::Geometry::Exact, &options),
             traced::<R>(scene, trace::Geometry::Mesh, &options),
         ]
@@ -680,8 +683,8 @@ fn of_mesh(mesh: Mesh, snap: Snap) -> Scene {
 }
 
 fn counts(scene: &Scene) -> Vec<u32> {
-    let assembly = Assembly::<f64>::new(scene, None).expect("a small scene");
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
+    let assembly = assembled::<f64>(scene, None).expect("a small scene");
+    let plan = rasterizer(scene, &assembly);
     plan.coverage_counts().data
 }
 
@@ -733,8 +736,8 @@ fn the_narrowest_view_of_a_seam_is_the_same_in_all_precisions() {
             scene.camera.eye = DVec3::new(5.0, 0.0, 0.0);
             scene.camera.projection = Projection::Orthographic { height };
             let cast = trace::Options::cast(Isa::detect());
-            let single = rasterize::<f32>(&scene, None, ShadeModel::Flat);
-            let double = rasterize::<f64>(&scene, None, ShadeModel::Flat);
+            let single = rasterized::<f32>(&scene, None, ShadeModel::Flat);
+            let double = rasterized::<f64>(&scene, None, ShadeModel::Flat);
             let traced = traced::<f64>(&scene, trace::Geometry::Mesh, &cast);
             assert!(double.primitive.data.iter().all(|p| *p != NONE));
             assert_eq!(single.primitive, double.primitive, "{height:e} {snap:?}");
@@ -857,7 +860,7 @@ fn sphere_errors(mesh: Mesh, shading: ShadeModel, shininess: Option<f64>) -> [f6
         specular: [1.0; 3],
         ..LightSource::default()
     }));
-    let frame = rasterize::<f64>(&scene, None, shading);
+    let frame = rasterized::<f64>(&scene, None, shading);
     let half = (to_light + DVec3::Z).normalize();
     let (mut squares, mut sum, mut most, mut count) = (0.0, 0.0, 0.0f64, 0.0);
     for row in 0..SIZE {

@@ -2,16 +2,16 @@
 
 use rastray::gl;
 use rastray::math::{DAffine3, DMat3, DVec3};
-use rastray::scene::assembly::Assembly;
+use rastray::render::Tracer;
 use rastray::scene::bezier::{Net, chord_error, jet, net, normal};
-use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::tessellate;
 use rastray::scene::{Geometry as Form, Material, Object, Optics, Scene, Shape, fit, teapot};
+use rastray::trace::Geometry;
 use rastray::trace::bvh::Walker;
 use rastray::trace::exact::{Twofold, add_scaled, dot2, pairs, values};
 use rastray::trace::ray::{Hit, Ray};
-use rastray::trace::{Geometry, Plan};
 
+use crate::common::precise::{assembled, surfaces, tracer};
 use crate::common::random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
@@ -44,20 +44,22 @@ fn with_plan<T>(
     place: DAffine3,
     geometry: Geometry,
     level: u32,
-    work: impl FnOnce(&Plan<'_, f64>, &mut Walker) -> T,
+    work: impl FnOnce(&Tracer<'_>, &mut Walker) -> T,
 ) -> T {
     let scene = scene_of(&[(shape.clone(), place)]);
-    let assembly = Assembly::<f64>::new(&scene, Some(level)).unwrap();
-    let plan = Plan::new(&scene, &assembly, geometry, Model::Required).unwrap();
+    let assembly = assembled::<f64>(&scene, Some(level)).unwrap();
+    let plan = tracer(&scene, &assembly, geometry).unwrap();
     work(&plan, &mut Walker::default())
 }
 
-fn exact<T>(shape: &Shape, work: impl FnOnce(&Plan<'_, f64>, &mut Walker) -> T) -> T {
+fn exact<T>(shape: &Shape, work: impl FnOnce(&Tracer<'_>, &mut Walker) -> T) -> T {
     with_plan(shape, DAffine3::IDENTITY, Geometry::Exact, 3, work)
 }
 
-fn all(plan: &Plan<'_, f64>, walker: &mut Walker, ray: &Ray) -> Vec<Hit> {
-    plan.surfaces().crossings(ray, walker, |_| true).unwrap()
+fn all(plan: &Tracer<'_>, walker: &mut Walker, ray: &Ray) -> Vec<Hit> {
+    surfaces::<f64>(plan)
+        .crossings(ray, walker, |_| true)
+        .unwrap()
 }
 
 /// A ray to both sides of its origin: a start so far back that all of the line ahead of it counts.
@@ -190,8 +192,8 @@ fn a_flat_patch_is_the_parallelogram() {
                         hits += 1;
                         assert_eq!(a.back, b.back);
                         let (p, q) = (
-                            flat.surfaces().site(&ray, a, None).foot,
-                            curved.surfaces().site(&ray, b, None).foot,
+                            surfaces::<f64>(flat).site(&ray, a, None).foot,
+                            surfaces::<f64>(curved).site(&ray, b, None).foot,
                         );
                         let slant = p.normal.dot(ray.direction.normalize()).abs();
                         assert!((a.t - b.t).abs() * slant < 1e-14);
@@ -246,7 +248,7 @@ fn a_parabolic_sheet_is_crossed_where_its_equation_says() {
                             "{} {s}",
                             hit.t - back
                         );
-                        let foot = plan.surfaces().site(&ray, hit, None).foot;
+                        let foot = surfaces::<f64>(plan).site(&ray, hit, None).foot;
                         let p = foot.point / scale;
                         let off = p.z - p.x * p.x - k * p.y * p.y;
                         assert!(off.abs() < 8e-15, "{off:e}");
@@ -293,10 +295,10 @@ fn random_patches_are_crossed_as_often_as_their_dense_meshes() {
                         for (a, b) in a.iter().zip(&b) {
                             assert!((a.t - b.t).abs() < 0.02, "{} {}", a.t, b.t);
                         }
-                        let closest = plan.surfaces().closest_hit(&ray, w2);
-                        assert_eq!(closest, plan.surfaces().closest_hit_of_all(&ray));
+                        let closest = surfaces::<f64>(plan).closest_hit(&ray, w2);
+                        assert_eq!(closest, surfaces::<f64>(plan).closest_hit_of_all(&ray));
                         assert_eq!(closest, b.first().copied());
-                        assert_eq!(plan.surfaces().any_hit(&ray, w2), !b.is_empty());
+                        assert_eq!(surfaces::<f64>(plan).any_hit(&ray, w2), !b.is_empty());
                     }
                 });
             },
@@ -453,7 +455,7 @@ fn points_lie_on_the_ray_however_far_it_comes() {
                 ..ray
             };
             for hit in all(plan, walker, &ray) {
-                let foot = plan.surfaces().site(&ray, &hit, None).foot;
+                let foot = surfaces::<f64>(plan).site(&ray, &hit, None).foot;
                 let slant = foot.normal.dot(ray.direction.normalize()).abs();
                 // Distance of the point from the ray, in pairs.
                 let d = pairs(ray.direction);
@@ -493,8 +495,8 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
                     let (x, y) = (all(a, w1, &p), all(b, w2, &q));
                     assert_eq!(x, y);
                     for (x, y) in x.iter().zip(&y) {
-                        let x = a.surfaces().site(&p, x, None).foot;
-                        let y = b.surfaces().site(&q, y, None).foot;
+                        let x = surfaces::<f64>(a).site(&p, x, None).foot;
+                        let y = surfaces::<f64>(b).site(&q, y, None).foot;
                         assert_eq!((x.point * k, x.normal), (y.point, y.normal));
                     }
                 }
@@ -524,8 +526,8 @@ fn transforms_keep_the_crossings_and_the_outward_side() {
                         continue;
                     }
                     for (x, y) in x.iter().zip(&y) {
-                        let fx = a.surfaces().site(&p, x, None).foot;
-                        let fy = b.surfaces().site(&q, y, None).foot;
+                        let fx = surfaces::<f64>(a).site(&p, x, None).foot;
+                        let fy = surfaces::<f64>(b).site(&q, y, None).foot;
                         assert_eq!(x.back, y.back);
                         let slant = fx.normal.dot(d.normalize()).abs();
                         assert!((x.t - y.t).abs() * slant < 1e-13);
@@ -563,7 +565,7 @@ fn spawned_rays_do_not_meet_the_surface_they_leave() {
                 let o = target + v(random.next(), random.next(), 4.0 * random.next()) * 3.0 * scale;
                 let ray = Ray::new(o, target - o);
                 for hit in all(plan, walker, &ray) {
-                    let foot = plan.surfaces().site(&ray, &hit, None).foot;
+                    let foot = surfaces::<f64>(plan).site(&ray, &hit, None).foot;
                     let n = foot.normal;
                     assert!(n.z > 0.0, "{n}");
                     let along = n.cross(random.direction()).normalize();
@@ -575,7 +577,7 @@ fn spawned_rays_do_not_meet_the_surface_they_leave() {
                         judged += 1;
                         let away = Ray::new(foot.spawn(d), d);
                         assert!(
-                            !plan.surfaces().any_hit(&away, walker),
+                            !surfaces::<f64>(plan).any_hit(&away, walker),
                             "{scale} {rise} {d}"
                         );
                     }
@@ -585,7 +587,7 @@ fn spawned_rays_do_not_meet_the_surface_they_leave() {
                         t_max: 1e-6 * scale,
                         ..down
                     };
-                    assert!(!plan.surfaces().any_hit(&near, walker));
+                    assert!(!surfaces::<f64>(plan).any_hit(&near, walker));
                 }
             }
         });
@@ -772,7 +774,7 @@ fn the_teapot_faces_outwards_and_its_poles_have_normals() {
             let o = v(0.0, 1.5, 0.0) + 40.0 * random.direction();
             let target = v(0.2, 1.4, 0.0) + v(3.2, 1.6, 2.0) * random.vector();
             let ray = Ray::new(o, target - o);
-            let Some(hit) = plan.surfaces().closest_hit(&ray, walker) else {
+            let Some(hit) = surfaces::<f64>(plan).closest_hit(&ray, walker) else {
                 continue;
             };
             if hit.back {

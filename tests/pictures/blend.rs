@@ -3,20 +3,21 @@
 
 use std::sync::Arc;
 
-use rastray::decompose::{self, decompose};
 use rastray::frame::{Frame, LayerIndex, NONE};
 use rastray::gl::{self, ColorControl, ShadeModel};
 use rastray::import::{LoadOptions, load};
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::color::luma;
 use rastray::math::{DAffine3, DVec3};
-use rastray::raster::{Counters, Options, Plan};
+use rastray::raster::{Counters, Options};
+use rastray::render::Precision;
 use rastray::sampling::Pattern;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Geometry, Material, Mesh, Object, Optics, Projection, Scene, Snap, Transparency,
 };
+
+use crate::common::ladder;
+use crate::common::precise::{Precise, assembled, rasterize, rasterizer};
 
 const SHADINGS: [ShadeModel; 3] = [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong];
 const SIZE: u32 = 8;
@@ -81,10 +82,10 @@ fn options(shading: ShadeModel) -> Options {
     }
 }
 
-fn draw<R: Real>(scene: &Scene, options: &Options) -> (Frame<R>, Counters) {
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly, Model::Required);
-    plan.draw(options).expect("a legal picture")
+fn draw<R: Precise>(scene: &Scene, options: &Options) -> (Frame<R>, Counters) {
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
+    let plan = rasterizer(scene, &assembly);
+    rasterize(&plan, options).expect("a legal picture")
 }
 
 /// The one colour of a picture in every shading, and its one primitive's number halved: the object.
@@ -331,17 +332,7 @@ fn many_overlapping_panes_pass_through_several_batches() {
 
 #[test]
 fn the_ladder_says_which_step_ends_the_blending() {
-    let climb = |scene: &Scene| {
-        let options = decompose::Options {
-            level: None,
-            isa: Isa::detect(),
-            model: Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
-        };
-        decompose::<f32>(scene, &options, &|_| {}).expect("a shipped scene renders")
-    };
+    let climb = |scene: &Scene| ladder::climb(scene, &ladder::options(Precision::F32));
     let mut scene = shipped("16-transparency");
     let blended = climb(&scene);
     scene.raster.transparency = Transparency::Opaque;

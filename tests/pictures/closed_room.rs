@@ -20,18 +20,18 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::common::precise::{Precise, assembled, surfaces, tracer};
 use crate::common::random::Random;
-use rastray::lanes::Real;
 use rastray::math::{DAffine3, DMat3, DVec3};
-use rastray::scene::assembly::{Assembly, object_mesh};
+use rastray::render::Assembled;
+use rastray::scene::assembly::object_mesh;
 use rastray::scene::profile::{Curve, Profile};
-use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::tessellate;
 use rastray::scene::{Geometry as Form, Material, Mesh, Object, Optics, Scene, Shape};
+use rastray::trace::Geometry;
 use rastray::trace::bvh::{Bvh, Walker};
 use rastray::trace::planar::{PlanarHit, Shear};
 use rastray::trace::ray::Ray;
-use rastray::trace::{Geometry, Plan};
 use rayon::prelude::*;
 
 // ---- Rooms ---------------------------------------------------------------------------------------------------------
@@ -437,10 +437,10 @@ impl Tally {
 /// Rays that one task shoots.
 const CHUNK: usize = 5000;
 
-fn shoot<R: Real>(room: &Room, random: usize, aimed: usize) -> Tally {
-    let assembly = Assembly::<R>::new(&room.scene, None).expect("a small scene");
-    let plan = Plan::new(&room.scene, &assembly, Geometry::Exact, Model::Required).expect("a plan");
-    let surfaces = plan.surfaces();
+fn shoot<R: Precise>(room: &Room, random: usize, aimed: usize) -> Tally {
+    let assembly = assembled::<R>(&room.scene, None).expect("a small scene");
+    let plan = tracer(&room.scene, &assembly, Geometry::Exact).expect("a plan");
+    let surfaces = surfaces::<R>(&plan);
     let chunk = |number: usize| {
         let (mut numbers, mut walker) = (Random(number as u64), Walker::default());
         let mut tally = Tally::default();
@@ -474,7 +474,7 @@ fn shoot<R: Real>(room: &Room, random: usize, aimed: usize) -> Tally {
     tallies.reduce(Tally::default, Tally::and)
 }
 
-fn closed<R: Real>(rooms: &[Room], random: usize, aimed: usize) {
+fn closed<R: Precise>(rooms: &[Room], random: usize, aimed: usize) {
     let mut all = Tally::default();
     for room in rooms {
         let start = Instant::now();
@@ -599,19 +599,19 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(scene: &Scene, assembly: &Assembly<f32>) -> Self {
+    fn new(scene: &Scene, assembly: &Assembled) -> Self {
         let eye = scene.camera.eye;
-        let corners_of = |t: &[u32; 3]| t.map(|i| assembly.position_from_eye[i as usize]);
+        let corners_of = |t: &[u32; 3]| t.map(|i| assembly.vertex_from_eye(i).map(|x| x as f32));
         let world = |p: [f32; 3]| DVec3::from_array(p.map(f64::from)) + eye;
         let bounds: Vec<_> = assembly
-            .triangles
+            .triangles()
             .iter()
             .map(|t| rastray::trace::build::Bounds::of(corners_of(t).map(world)))
             .collect();
         let (bvh, order) = Bvh::build(&bounds);
         let corners = order
             .iter()
-            .map(|i| corners_of(&assembly.triangles[*i as usize]))
+            .map(|i| corners_of(&assembly.triangles()[*i as usize]))
             .collect();
         Self {
             bvh,
@@ -745,8 +745,8 @@ fn cost() {
     let scene = rastray::import::load(&file, &Default::default())
         .expect("a mesh")
         .scene;
-    let assembly = Assembly::<f32>::new(&scene, None).expect("triangles");
-    let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).expect("a plan");
+    let assembly = assembled::<f32>(&scene, None).expect("triangles");
+    let plan = tracer(&scene, &assembly, Geometry::Exact).expect("a plan");
     let bench = Bench::new(&scene, &assembly);
     let camera = &scene.camera;
     let world_from_eye = camera.eye_from_world_rotation().transpose();
@@ -789,7 +789,7 @@ fn cost() {
         |rays| work(&|w| bench.any::<Plain>(rays, w)),
     );
     // The renderer's own function, which knows other surfaces too, beside the same traversal here.
-    let surfaces = plan.surfaces();
+    let surfaces = surfaces::<f32>(&plan);
     compare(
         "primary, the renderer's closest hit against the traversal here",
         rounds,

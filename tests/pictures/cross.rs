@@ -3,35 +3,18 @@
 //! On every shipped scene: the causes sum to the total difference with residual 0; rungs 3 and 4 agree as the ladder
 //! promises; layers add up to the pictures bit for bit; thread count and instruction set change no byte.
 
-use rastray::decompose::{CAUSES, Ladder, Options, decompose};
+use rastray::decompose::CAUSES;
 use rastray::frame::{Frame, Layers, Plane};
 use rastray::gl::ShadeModel;
-use rastray::import::{LoadOptions, load, shipped};
+use rastray::import::shipped;
 use rastray::lanes::{Isa, Real};
+use rastray::render::{Options, Precision};
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::{raster, trace};
 
-fn scene(name: &str, width: u32, height: u32) -> Scene {
-    let mut scene = load(name, &LoadOptions::default())
-        .expect("a shipped scene loads")
-        .scene;
-    (scene.image.width, scene.image.height) = (width, height);
-    scene
-}
-
-fn climb<R: Real>(scene: &Scene, isa: Isa) -> Ladder {
-    let options = Options {
-        level: None,
-        isa,
-        model: Model::Required,
-        shadows: true,
-        reflection: true,
-        refraction: true,
-    };
-    decompose::<R>(scene, &options, &|_| {}).expect("a shipped scene renders")
-}
+use crate::common::ladder::{climb, options};
+use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
+use crate::common::scenes::scene;
 
 fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new()
@@ -44,7 +27,7 @@ fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 #[test]
 fn causes_sum_to_the_total_on_every_shipped_scene() {
     for shipped in shipped() {
-        let ladder = climb::<f32>(&scene(shipped.name, 200, 150), Isa::detect());
+        let ladder = climb(&scene(shipped.name, [200, 150], &[]), &Options::default());
         assert_eq!(ladder.residual_max, 0.0, "{}", shipped.name);
         assert_eq!(ladder.limited_pixels, 0, "{}", shipped.name);
         assert_eq!(ladder.rungs.len(), CAUSES.len() + 1);
@@ -60,11 +43,9 @@ fn causes_sum_to_the_total_on_every_shipped_scene() {
 #[test]
 fn raster_and_cast_agree_on_every_shipped_scene() {
     for shipped in shipped() {
-        let scene = scene(shipped.name, 320, 240);
-        for agreement in [
-            climb::<f32>(&scene, Isa::detect()).agreement,
-            climb::<f64>(&scene, Isa::detect()).agreement,
-        ] {
+        let scene = scene(shipped.name, [320, 240], &[]);
+        for precision in Precision::ALL {
+            let agreement = climb(&scene, &options(precision)).agreement;
             println!("{}: {agreement:?}", shipped.name);
             assert!(
                 agreement.interior_max <= 1e-5,
@@ -94,26 +75,23 @@ fn assert_layers_sum<R: Real>(layers: &Layers<R>, color: &Plane<[R; 3]>, what: &
     }
 }
 
-fn draw_raster<R: Real>(scene: &Scene, options: &raster::Options) -> Frame<R> {
-    let assembly = Assembly::new(scene, None).expect("an assembly");
-    raster::Plan::new(scene, &assembly, Model::Required)
-        .draw(options)
-        .expect("a picture")
-        .0
+fn draw_raster<R: Precise>(scene: &Scene, options: &raster::Options) -> Frame<R> {
+    let assembly = assembled::<R>(scene, None).expect("an assembly");
+    let plan = rasterizer(scene, &assembly);
+    rasterize(&plan, options).expect("a picture").0
 }
 
-fn draw_trace<R: Real>(scene: &Scene, options: &trace::Options) -> Frame<R> {
-    let assembly = Assembly::new(scene, None).expect("an assembly");
-    let plan = trace::Plan::new(scene, &assembly, trace::Geometry::Exact, Model::Required)
-        .expect("a plan");
-    plan.draw(options).expect("a picture").0
+fn draw_trace<R: Precise>(scene: &Scene, options: &trace::Options) -> Frame<R> {
+    let assembly = assembled::<R>(scene, None).expect("an assembly");
+    let plan = tracer(scene, &assembly, trace::Geometry::Exact).expect("a plan");
+    follow(&plan, options).expect("a picture").0
 }
 
 #[test]
 fn layers_add_up_bit_for_bit() {
     for shipped in shipped() {
         for samples in [1, 4] {
-            let mut scene = scene(shipped.name, 96, 72);
+            let mut scene = scene(shipped.name, [96, 72], &[]);
             scene.image.samples = samples;
             layers_of::<f32>(&scene, shipped.name);
             layers_of::<f64>(&scene, shipped.name);
@@ -121,7 +99,7 @@ fn layers_add_up_bit_for_bit() {
     }
 }
 
-fn layers_of<R: Real>(scene: &Scene, name: &str) {
+fn layers_of<R: Precise>(scene: &Scene, name: &str) {
     let isa = Isa::detect();
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
         let options = raster::Options {
@@ -176,7 +154,7 @@ fn layers_of<R: Real>(scene: &Scene, name: &str) {
 #[test]
 fn layers_add_up_where_colours_are_negative() {
     for samples in [1, 4] {
-        let mut scene = scene("lights", 96, 72);
+        let mut scene = scene("lights", [96, 72], &[]);
         scene.image.samples = samples;
         scene.lights[1].source.diffuse = [-0.7, -0.3, -1.1];
         signed_layers_of::<f32>(&scene);
@@ -184,7 +162,7 @@ fn layers_add_up_where_colours_are_negative() {
     }
 }
 
-fn signed_layers_of<R: Real>(scene: &Scene) {
+fn signed_layers_of<R: Precise>(scene: &Scene) {
     let isa = Isa::detect();
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
         let options = raster::Options {
@@ -237,13 +215,17 @@ fn causes_are_explained_in_ladder_order() {
 #[test]
 fn threads_and_instruction_sets_change_no_byte() {
     for shipped in shipped() {
-        let scene = scene(shipped.name, 128, 96);
-        let reference = in_threads(1, || climb::<f32>(&scene, Isa::Scalar)).rungs;
+        let scene = scene(shipped.name, [128, 96], &[]);
+        let on = |isa| Options {
+            isa,
+            ..Options::default()
+        };
+        let reference = in_threads(1, || climb(&scene, &on(Isa::Scalar))).rungs;
         for (threads, isa) in [(2, Isa::Scalar), (8, Isa::Scalar)]
             .into_iter()
             .chain(Isa::available().into_iter().map(|isa| (2, isa)))
         {
-            let rungs = in_threads(threads, || climb::<f32>(&scene, isa)).rungs;
+            let rungs = in_threads(threads, || climb(&scene, &on(isa))).rungs;
             for (rung, (a, b)) in reference.iter().zip(&rungs).enumerate() {
                 let name = isa.name();
                 assert!(

@@ -19,14 +19,15 @@ use rastray::gl;
 use rastray::import::{LoadOptions, Shipped, load, shipped};
 use rastray::lanes::{Isa, Real};
 use rastray::math::{DAffine3, DMat4, DVec3};
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Assembled, Tracer};
 use rastray::scene::profile::{Curve, Profile};
-use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics, Projection, Scene,
     Shape, Tir,
 };
 use rastray::{raster, trace};
+
+use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -34,24 +35,24 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
 
 // ---- Drawing ---------------------------------------------------------------------------------------------------------
 
-fn rasterize<R: Real>(scene: &Scene, assembly: &Assembly<R>) -> Frame<R> {
+fn rasterized<R: Precise>(scene: &Scene, assembly: &Assembled) -> Frame<R> {
     let options = raster::Options {
         shading: scene.raster.shading,
         clamp: false,
         layers: false,
         isa: Isa::detect(),
     };
-    let plan = raster::Plan::new(scene, assembly, Model::Required);
-    plan.draw(&options).expect("drawn").0
+    let plan = rasterizer(scene, assembly);
+    rasterize(&plan, &options).expect("drawn").0
 }
 
-fn plan<'a, R: Real>(scene: &'a Scene, assembly: &'a Assembly<R>) -> trace::Plan<'a, R> {
-    trace::Plan::new(scene, assembly, trace::Geometry::Exact, Model::Required).expect("a plan")
+fn plan<'a>(scene: &'a Scene, assembly: &'a Assembled) -> Tracer<'a> {
+    tracer(scene, assembly, trace::Geometry::Exact).expect("a plan")
 }
 
-fn traced<R: Real>(scene: &Scene, assembly: &Assembly<R>) -> Frame<R> {
+fn traced<R: Precise>(scene: &Scene, assembly: &Assembled) -> Frame<R> {
     let options = trace::Options::of(scene, Isa::detect());
-    plan(scene, assembly).draw(&options).expect("drawn").0
+    follow(&plan(scene, assembly), &options).expect("drawn").0
 }
 
 /// A shipped scene at a size of its own.
@@ -192,15 +193,15 @@ fn bits<R: Real>(frame: &Frame<R>, k: f64) -> (Vec<[u64; 3]>, Vec<u64>, Vec<u32>
 }
 
 /// How many pictures of a scene change with its size, of how many.
-fn changed_by_scale<R: Real>(shipped: &Shipped, size: [u32; 2], powers: &[i32]) -> [usize; 2] {
+fn changed_by_scale<R: Precise>(shipped: &Shipped, size: [u32; 2], powers: &[i32]) -> [usize; 2] {
     let (scene, profiles) = (loaded(shipped, size), profiles(shipped));
     assert_eq!(scaled(&scene, &profiles, 1.0), scene, "{}", shipped.name);
     let level = Some(16);
     let pictures = |scene: &Scene, k: f64| {
-        let assembly = Assembly::<R>::new(scene, level).expect("a small scene");
+        let assembly = assembled::<R>(scene, level).expect("a small scene");
         [
-            bits(&rasterize(scene, &assembly), k),
-            bits(&traced(scene, &assembly), k),
+            bits(&rasterized::<R>(scene, &assembly), k),
+            bits(&traced::<R>(scene, &assembly), k),
         ]
     };
     let expected = pictures(&scene, 1.0);
@@ -277,15 +278,15 @@ impl Seen {
 }
 
 /// The rasterizer's picture and the tracer's.
-fn both<R: Real>(scene: &Scene) -> [Seen; 2] {
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
+fn both<R: Precise>(scene: &Scene) -> [Seen; 2] {
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
     let plan = plan(scene, &assembly);
     let draw = |options: trace::Options| {
         let options = trace::Options {
             layers: true,
             ..options
         };
-        plan.draw(&options).expect("drawn").0
+        follow::<R>(&plan, &options).expect("drawn").0
     };
     let isa = Isa::detect();
     let (full, cast) = (
@@ -305,7 +306,7 @@ fn both<R: Real>(scene: &Scene) -> [Seen; 2] {
         .map(|(light, pixel)| lit(&cast, light, pixel).then(|| !lit(&full, light, pixel)))
         .collect();
     [
-        Seen::new(&rasterize(scene, &assembly), Vec::new()),
+        Seen::new(&rasterized::<R>(scene, &assembly), Vec::new()),
         Seen::new(&full, shadowed),
     ]
 }
@@ -513,8 +514,8 @@ fn wall(scene: &mut Scene, z: f64, border: f64) {
 
 /// Green of the first pixel, f64.
 fn seen(scene: &Scene) -> f64 {
-    let assembly = Assembly::<f64>::new(scene, Some(16)).expect("a small scene");
-    traced(scene, &assembly).color.data[0][1]
+    let assembly = assembled::<f64>(scene, Some(16)).expect("a small scene");
+    traced::<f64>(scene, &assembly).color.data[0][1]
 }
 
 /// Asserts that `scene(border)` sees its wall exactly at x = `expected`.
@@ -607,8 +608,8 @@ fn snells_window() {
         scene.image.background = [0.5; 3];
         let m = glass(&mut scene, n);
         add(&mut scene, geometry.clone(), &[m]);
-        let assembly = Assembly::<f32>::new(&scene, None).expect("a small scene");
-        let frame = traced(&scene, &assembly);
+        let assembly = assembled::<f32>(&scene, None).expect("a small scene");
+        let frame = traced::<f32>(&scene, &assembly);
         let (window, half) = (
             libm::tan(libm::asin(1.0 / n)),
             libm::tan(60f64.to_radians()),
@@ -767,9 +768,9 @@ fn inside_a_medium_the_normal_faces_the_camera() {
     assert_eq!(seen(&scene), 0.5);
     scene.trace.depth = 0;
     assert_eq!(seen(&scene), 0.5);
-    let assembly = Assembly::<f64>::new(&scene, Some(16)).expect("a small scene");
+    let assembly = assembled::<f64>(&scene, Some(16)).expect("a small scene");
     let cast = trace::Options::cast(Isa::detect());
-    let (frame, _) = plan(&scene, &assembly).draw(&cast).expect("drawn");
+    let (frame, _) = follow::<f64>(&plan(&scene, &assembly), &cast).expect("drawn");
     assert_eq!(frame.color.data[0][1], 0.0);
 }
 
@@ -816,11 +817,11 @@ material = "mirror"
 }
 
 /// Largest error of a picture of the mirrors, relative to the closed form.
-fn mirrors_error<R: Real>(k: f64, depth: u32) -> f64 {
+fn mirrors_error<R: Precise>(k: f64, depth: u32) -> f64 {
     let scene = between_mirrors(k, depth);
-    let assembly = Assembly::<R>::new(&scene, None).expect("a small scene");
+    let assembly = assembled::<R>(&scene, None).expect("a small scene");
     let start = Instant::now();
-    let frame = traced(&scene, &assembly);
+    let frame = traced::<R>(&scene, &assembly);
     let seconds = start.elapsed().as_secs_f64();
     // -expm1((m + 1) ln k) = 1 - k^(m + 1), without cancellation.
     let power = (f64::from(depth) + 1.0) * libm::log(k);
@@ -850,9 +851,10 @@ fn mirrors_facing_each_other_for_ten_thousand_bounces() {
 #[test]
 fn a_weight_that_underflows_ends_its_path() {
     let scene = between_mirrors(0.9, 1 << 20);
-    let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
+    let assembly = assembled::<f64>(&scene, None).expect("a small scene");
     let options = trace::Options::of(&scene, Isa::detect());
-    let (frame, counters) = plan(&scene, &assembly).draw(&options).expect("drawn");
+    let drawn = follow::<f64>(&plan(&scene, &assembly), &options);
+    let (frame, counters) = drawn.expect("drawn");
     assert_eq!(counters.rays.reflection, 48 * 6723);
     for x in frame.color.data.iter().flatten() {
         assert!((x - 2.5).abs() <= 100.0 * f64::EPSILON, "{x}");
@@ -873,7 +875,7 @@ fn trees_that_run_away_end_in_an_error() {
         behind.world_from_object.translation += v(0.0, 0.0, 4.0 * z);
         scene.objects.push(behind);
     }
-    let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
+    let assembly = assembled::<f64>(&scene, None).expect("a small scene");
     let options = trace::Options::of(&scene, Isa::detect());
     let error = plan(&scene, &assembly)
         .draw(&options)

@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use rastray::gl;
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DMat3, DVec3};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::tessellate::tessellate;
 use rastray::scene::{
     Camera, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics, Scene, Shape,
 };
 use rastray::trace::bvh::Walker;
 use rastray::trace::ray::Ray;
-use rastray::trace::{Geometry, Options, Plan};
+use rastray::trace::{Geometry, Options};
+
+use crate::common::precise::{Precise, assembled, follow, surfaces, tracer};
+use rastray::render::{Assembled, Tracer};
 
 /// Numbers that look random, the same in each run.
 struct Random(u64);
@@ -119,12 +120,8 @@ fn scene_of(mesh: &Mesh, places: &[DAffine3], shared: bool) -> Scene {
     scene
 }
 
-fn assembly<R: Real>(scene: &Scene) -> Assembly<R> {
-    Assembly::new(scene, None).expect("assembles")
-}
-
-fn plan<'a, R: Real>(scene: &'a Scene, assembly: &'a Assembly<R>) -> Plan<'a, R> {
-    Plan::new(scene, assembly, Geometry::Exact, Model::Required).expect("plans")
+fn plan<'a>(scene: &'a Scene, assembly: &'a Assembled) -> Tracer<'a> {
+    tracer(scene, assembly, Geometry::Exact).expect("plans")
 }
 
 /// Random rays, and rays aimed at the places of vertices and edges' middles.
@@ -145,12 +142,12 @@ fn rays(mesh: &Mesh, places: &[DAffine3], count: usize) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-fn answers_equal_brute_force<R: Real>() {
+fn answers_equal_brute_force<R: Precise>() {
     let (mesh, places) = (noisy_ball(), places());
     let scene = scene_of(&mesh, &places, true);
-    let assembly = assembly::<R>(&scene);
+    let assembly = assembled::<R>(&scene, None).expect("assembles");
     let plan = plan(&scene, &assembly);
-    let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
+    let (surfaces, mut walker) = (surfaces::<R>(&plan), Walker::default());
     let mut found = 0;
     for ray in rays(&mesh, &places, 6000) {
         let nearest = surfaces.closest_hit(&ray, &mut walker);
@@ -176,8 +173,8 @@ fn copies_share_one_hierarchy() {
     let (mesh, places) = (noisy_ball(), places());
     let size = |places: &[DAffine3], shared: bool| {
         let scene = scene_of(&mesh, places, shared);
-        let assembly = assembly::<f32>(&scene);
-        plan(&scene, &assembly).surfaces().hierarchy_size()
+        let assembly = assembled::<f32>(&scene, None).expect("assembles");
+        surfaces::<f32>(&plan(&scene, &assembly)).hierarchy_size()
     };
     let (one, all, own) = (
         size(&places[..1], true),
@@ -195,11 +192,11 @@ fn copies_share_one_hierarchy() {
 fn closed_copies_do_not_leak() {
     let (mesh, places) = (noisy_ball(), places());
     let scene = scene_of(&mesh, &places, true);
-    let assembly = assembly::<f64>(&scene);
+    let assembly = assembled::<f64>(&scene, None).expect("assembles");
     let plan = plan(&scene, &assembly);
     let mut walker = Walker::default();
     let mut balance = |ray: &Ray| -> i32 {
-        let hits = plan.surfaces().crossings(ray, &mut walker, |_| true);
+        let hits = surfaces::<f64>(&plan).crossings(ray, &mut walker, |_| true);
         let sign = |back: bool| if back { 1 } else { -1 };
         hits.expect("no stop")
             .iter()
@@ -218,13 +215,15 @@ fn closed_copies_do_not_leak() {
     }
 }
 
-fn pictures_agree<R: Real>(tolerance: f64) {
+fn pictures_agree<R: Precise>(tolerance: f64) {
     let (mesh, places) = (noisy_ball(), places());
     let draw = |shared: bool| {
         let scene = scene_of(&mesh, &places, shared);
-        let assembly = assembly::<R>(&scene);
+        let assembly = assembled::<R>(&scene, None).expect("assembles");
         let options = Options::of(&scene, Isa::Scalar);
-        plan(&scene, &assembly).draw(&options).expect("draws").0
+        follow::<R>(&plan(&scene, &assembly), &options)
+            .expect("draws")
+            .0
     };
     let (shared, own) = (draw(true), draw(false));
     let pairs = shared.color.data.iter().zip(&own.color.data);
@@ -249,14 +248,16 @@ fn nearly_flat_copies_keep_triangles_of_their_own() {
     let mesh = noisy_ball();
     let flat = DAffine3::from_scale(DVec3::new(1.0, 1e-9, 1.0));
     let scene = scene_of(&mesh, &[DAffine3::IDENTITY, flat], true);
-    let assembly = assembly::<f64>(&scene);
+    let assembly = assembled::<f64>(&scene, None).expect("assembles");
     let plan = plan(&scene, &assembly);
     let ray = Ray::new(DVec3::new(0.1, 5.0, 0.1), DVec3::NEG_Y);
-    let hits = plan
-        .surfaces()
+    let hits = surfaces::<f64>(&plan)
         .crossings(&ray, &mut Walker::default(), |_| true)
         .expect("no stop");
     assert_eq!(hits.len(), 4);
-    let objects: Vec<u32> = hits.iter().map(|hit| plan.surfaces().object(hit)).collect();
+    let objects: Vec<u32> = hits
+        .iter()
+        .map(|hit| surfaces::<f64>(&plan).object(hit))
+        .collect();
     assert_eq!(objects, [0, 1, 1, 0]);
 }

@@ -22,8 +22,11 @@ mod whitted;
 mod common {
     pub(crate) mod adapter;
     pub(crate) mod descriptor;
+    pub(crate) mod ladder;
+    pub(crate) mod precise;
     pub(crate) mod random;
     pub(crate) mod scale;
+    pub(crate) mod scenes;
     pub(crate) mod text;
 }
 

@@ -5,16 +5,16 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use rastray::frame::{Frame, LayerIndex, NONE, Plane};
 use rastray::gl::{self, ColorControl, LightSource, ShadeModel};
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DVec2, DVec3};
-use rastray::raster::{Counters, Options, Plan, coverage};
+use rastray::raster::{Counters, Options, coverage};
 use rastray::sampling::{self, Pattern};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Cull, FrontFace, Geometry, Light, LightSpace, Material, Mesh, Object, Optics,
     Projection, Scene, Shape, Snap,
 };
+
+use crate::common::precise::{Precise, assembled, rasterize, rasterizer};
 
 // ---- building scenes ----------------------------------------------------------------------------------------------
 
@@ -114,10 +114,10 @@ fn options(shading: ShadeModel) -> Options {
     }
 }
 
-fn draw_with<R: Real>(scene: &Scene, options: &Options) -> (Frame<R>, Counters) {
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly, Model::Required);
-    plan.draw(options).expect("a legal picture")
+fn draw_with<R: Precise>(scene: &Scene, options: &Options) -> (Frame<R>, Counters) {
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
+    let plan = rasterizer(scene, &assembly);
+    rasterize(&plan, options).expect("a legal picture")
 }
 
 fn draw(scene: &Scene, shading: ShadeModel) -> Frame<f64> {
@@ -729,8 +729,8 @@ fn unnormalised_normals_enter_per_vertex_lighting_with_their_length() {
     let mut mesh = Mesh::clone(mesh);
     mesh.normals = vec![DVec3::new(0.0, 0.0, 0.5); 3];
     scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
-    let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
-    assert_eq!(assembly.normal_length, [0.5; 3]);
+    let assembly = assembled::<f64>(&scene, None).expect("a small scene");
+    assert_eq!([0, 1, 2].map(|v| assembly.normal_length(v)), [0.5; 3]);
     // Per-fragment shading renormalises whatever the light model says.
     assert!(close(
         *draw(&scene, ShadeModel::Phong).color.at(1, 5),
@@ -859,9 +859,9 @@ const SHADINGS: [ShadeModel; 3] = [ShadeModel::Flat, ShadeModel::Gouraud, ShadeM
 #[test]
 fn visibility_agrees_with_brute_force_rays() {
     let scene = spheres();
-    let assembly = Assembly::<f64>::new(&scene, Some(24)).expect("a small scene");
-    let plan = Plan::new(&scene, &assembly, Model::Required);
-    let (frame, counters) = plan.draw(&options(ShadeModel::Flat)).expect("drawn");
+    let assembly = assembled::<f64>(&scene, Some(24)).expect("a small scene");
+    let plan = rasterizer(&scene, &assembly);
+    let (frame, counters) = rasterize::<f64>(&plan, &options(ShadeModel::Flat)).expect("drawn");
     let all = counters.triangles_outside + counters.triangles_culled;
     let all = all + counters.triangles_degenerate + counters.triangles_drawn;
     assert_eq!(counters.triangles_in, all);
@@ -872,7 +872,7 @@ fn visibility_agrees_with_brute_force_rays() {
             let place = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let (o, d) = scene.camera.primary_ray(place, 150, 130);
             let mut best = (f64::INFINITY, NONE);
-            for (i, t) in assembly.triangles.iter().enumerate() {
+            for (i, t) in assembly.triangles().iter().enumerate() {
                 let points = t.map(|v| DVec3::from_array(assembly.vertex_eye(v)));
                 let (b, t) = meet(points, o, d);
                 if b.iter().all(|b| *b >= 0.0) && t >= scene.camera.near && t < best.0 {
@@ -912,7 +912,7 @@ fn layers_add_up_to_the_picture_bit_for_bit() {
     }
 }
 
-fn layers_add_up<R: Real>(scene: &Scene, shading: ShadeModel, samples: u32) {
+fn layers_add_up<R: Precise>(scene: &Scene, shading: ShadeModel, samples: u32) {
     let plain = draw_with::<R>(scene, &options(shading)).0;
     for clamp in [false, true] {
         let with_layers = Options {
@@ -1049,10 +1049,10 @@ fn poisoned_vertices_neither_panic_nor_leave_nan() {
     }
 }
 
-fn check_finite<R: Real>(scene: &Scene, shading: ShadeModel) {
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly, Model::Required);
-    let frame = plan.draw(&options(shading)).expect("drawn").0;
+fn check_finite<R: Precise>(scene: &Scene, shading: ShadeModel) {
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
+    let plan = rasterizer(scene, &assembly);
+    let frame = rasterize::<R>(&plan, &options(shading)).expect("drawn").0;
     assert!(frame.color.data.iter().flatten().all(|x| x.is_finite()));
     assert!(frame.depth.data.iter().all(|x| x.to_f64() >= 0.0));
     let edge = plan.near_edge(&frame.primitive, 0.5);
@@ -1094,9 +1094,11 @@ fn near_edge_is_the_distance_to_the_projected_outline() {
     let px = [[2.0, 2.0], [2.0, 12.0], [12.0, 12.0]];
     let points = px.map(|[x, y]| [x - 8.0, 8.0 - y, 0.0]);
     add_mesh(&mut scene, &points, &[], glow([1.0; 3]));
-    let assembly = Assembly::<f64>::new(&scene, None).expect("a small scene");
-    let plan = Plan::new(&scene, &assembly, Model::Required);
-    let frame = plan.draw(&options(ShadeModel::Flat)).expect("drawn").0;
+    let assembly = assembled::<f64>(&scene, None).expect("a small scene");
+    let plan = rasterizer(&scene, &assembly);
+    let frame = rasterize::<f64>(&plan, &options(ShadeModel::Flat))
+        .expect("drawn")
+        .0;
     let edge = plan.near_edge(&frame.primitive, 0.75);
     for y in 0..16 {
         for x in 0..16 {
@@ -1112,9 +1114,9 @@ fn near_edge_is_the_distance_to_the_projected_outline() {
 #[test]
 fn impossible_pictures_are_refused() {
     let mut scene = pixel_scene(0, 8);
-    let assembly = Assembly::<f32>::new(&scene, None).expect("an empty scene");
+    let assembly = assembled::<f32>(&scene, None).expect("an empty scene");
     let refused = |scene: &Scene| {
-        let plan = Plan::new(scene, &assembly, Model::Required);
+        let plan = rasterizer(scene, &assembly);
         plan.draw(&options(ShadeModel::Flat))
             .expect_err("refused")
             .to_string()
@@ -1127,8 +1129,8 @@ fn impossible_pictures_are_refused() {
     scene.image.samples = 0;
     assert!(refused(&scene).contains("samples"));
     scene.image.samples = 1;
-    let plan = Plan::new(&scene, &assembly, Model::Required);
-    let (frame, counters) = plan.draw(&options(ShadeModel::Phong)).expect("empty");
+    let plan = rasterizer(&scene, &assembly);
+    let (frame, counters) = rasterize::<f32>(&plan, &options(ShadeModel::Phong)).expect("empty");
     assert_eq!(frame.primitive.data, [NONE; 16]);
     assert_eq!(counters, Counters::default());
 }

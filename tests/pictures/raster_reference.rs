@@ -5,9 +5,11 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::common::precise::Precise;
 use crate::probe::{gl_scene, numerics};
 use rastray::gl::ShadeModel;
 use rastray::lanes::Real;
+use rastray::render::Precision;
 use rastray::scene::{Projection, Snap};
 use serde_json::Value;
 
@@ -209,7 +211,7 @@ impl Difference {
 }
 
 /// Every scene of a folder against every driver whose pictures are there; returns how many pictures.
-fn compare_folder<R: Real>(folder: &Path) -> usize {
+fn compare_folder<R: Precise>(folder: &Path) -> usize {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder)
         .expect("a folder")
         .map(|entry| entry.expect("an entry").path())
@@ -230,7 +232,7 @@ fn compare_folder<R: Real>(folder: &Path) -> usize {
                     continue;
                 }
                 let shading = gl_scene::shading(mode).expect("a mode");
-                let ours = gl_scene::draw::<R>(&text, folder, shading, Snap::Bits8)
+                let ours = gl_scene::draw(&text, folder, shading, R::PRECISION, Snap::Bits8)
                     .unwrap_or_else(|e| panic!("{name}: {e}"));
                 let what = format!("{scene}.{mode} {driver} {}", R::NAME);
                 Difference::of(&ours, &stem).check(scene, &what);
@@ -272,11 +274,15 @@ fn a_matrix_projection_is_the_cameras() {
     let case: gl_scene::Case = serde_json::from_value(json).expect("a scene");
     let mut scene = case.record(&folder).expect("recorded");
     let shading = gl_scene::shading("phong").expect("a mode");
-    let matrix = case.buffers::<f64>(&scene, shading).expect("drawn");
+    let matrix = case
+        .buffers(&scene, shading, Precision::F64)
+        .expect("drawn");
     assert!(matches!(scene.camera.projection, Projection::Matrix { .. }));
     scene.camera.projection = Projection::Perspective { fovy_deg };
     (scene.camera.near, scene.camera.far) = (near, Some(far));
-    let camera = case.buffers::<f64>(&scene, shading).expect("drawn");
+    let camera = case
+        .buffers(&scene, shading, Precision::F64)
+        .expect("drawn");
     assert!(camera.prim.iter().filter(|p| **p >= 0).count() > 1000);
     assert_eq!(camera.prim, matrix.prim);
     for (a, b) in camera.rgba.iter().zip(&matrix.rgba) {
@@ -291,7 +297,8 @@ fn a_matrix_projection_is_the_cameras() {
 #[test]
 fn values_that_gl_refuses_name_their_mesh() {
     let text = r#"{"width": 4, "height": 4, "meshes": [{}, {"material": {"shininess": 300}}]}"#;
-    let drawn = gl_scene::draw::<f32>(text, repository(), ShadeModel::Flat, Snap::Bits8);
+    let single = Precision::F32;
+    let drawn = gl_scene::draw(text, repository(), ShadeModel::Flat, single, Snap::Bits8);
     let error = drawn.err().expect("shininess is 128 at most").to_string();
     assert!(
         error.contains("mesh 1") && error.contains("InvalidValue"),
@@ -307,7 +314,8 @@ fn without_a_depth_test_the_last_triangle_shows() {
     scene["depth_test"] = false.into();
     let shading = gl_scene::shading("flat").expect("a mode");
     let draw = |scene: &Value| {
-        gl_scene::draw::<f32>(&scene.to_string(), &folder, shading, Snap::Bits8).expect("drawn")
+        let (text, single) = (scene.to_string(), Precision::F32);
+        gl_scene::draw(&text, &folder, shading, single, Snap::Bits8).expect("drawn")
     };
     let all = draw(&scene);
     assert!(all.depth.iter().all(|z| *z == 1.0), "no depth is written");

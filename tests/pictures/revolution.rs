@@ -2,18 +2,17 @@
 
 use rastray::gl;
 use rastray::math::{DAffine3, DMat3, DVec2, DVec3};
-use rastray::scene::assembly::Assembly;
 use rastray::scene::profile::{Curve, MAX_POINTS, Piece, Profile};
-use rastray::scene::requirements::Model;
 use rastray::scene::round::Frame;
 use rastray::scene::tessellate::{tessellate, triangle_count};
 use rastray::scene::{Geometry as Form, Material, Object, Optics, Scene, Shape, fit};
+use rastray::trace::Geometry;
 use rastray::trace::bvh::Walker;
 use rastray::trace::ray::{NO_ITEM, Ray};
-use rastray::trace::{Geometry, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::common::precise::{assembled, surfaces, tracer};
 use crate::common::random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
@@ -67,12 +66,12 @@ fn with_rays<T>(
     work: impl FnOnce(&mut dyn FnMut(DVec3, DVec3) -> Vec<Met>) -> T,
 ) -> T {
     let scene = scene_of(shape, place);
-    let assembly = Assembly::<f64>::new(&scene, None).unwrap();
-    let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
+    let assembly = assembled::<f64>(&scene, None).unwrap();
+    let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
     let mut walker = Walker::default();
     work(&mut |o, d| {
         let ray = Ray::new(o, d);
-        let surfaces = plan.surfaces();
+        let surfaces = surfaces::<f64>(&plan);
         let found = surfaces.crossings(&ray, &mut walker, |_| true).unwrap();
         let first = surfaces.closest_hit_of_all(&ray);
         assert_eq!(surfaces.closest_hit(&ray, &mut walker), first);
@@ -526,9 +525,9 @@ fn points_lie_on_the_shape_normals_lead_out_and_spawned_rays_do_not_meet_it() {
         let outline = polygon(profile, 400);
         for place in places() {
             let scene = scene_of(&shape, place);
-            let assembly = Assembly::<f64>::new(&scene, None).unwrap();
-            let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
-            let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
+            let assembly = assembled::<f64>(&scene, None).unwrap();
+            let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
+            let (surfaces, mut walker) = (surfaces::<f64>(&plan), Walker::default());
             let object = place.inverse();
             let bounds = fit::of_shape(&shape, &place).unwrap();
             let size = bounds.max - bounds.min;

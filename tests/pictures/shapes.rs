@@ -1,23 +1,21 @@
 //! Round shapes: closed forms, independent references, parity, and both renderers on a scene that has them all.
 
-use rastray::decompose::{Options as Steps, decompose};
-use rastray::import::{LoadOptions, load};
-use rastray::lanes::{Isa, Real};
 use rastray::math::{DAffine3, DMat3, DVec3};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
+use rastray::render::Precision;
 use rastray::scene::{Geometry as Form, Material, Object, Optics, Scene, Shape};
+use rastray::trace::Geometry;
 use rastray::trace::bvh::Walker;
 use rastray::trace::exact::{Twofold, dot2, pairs};
 use rastray::trace::ray::Ray;
 use rastray::trace::torus::Torus;
-use rastray::trace::{Geometry, Plan};
 use rastray::{gl, scene::fit};
 
 /// Every shape, each lit, one material shiny and one clear.
 const ALL_SHAPES: &str = include_str!("../data/shapes.toml");
 
+use crate::common::precise::{assembled, surfaces, tracer};
 use crate::common::random::Random;
+use crate::common::{ladder, scenes};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -276,15 +274,14 @@ fn closed_shapes_do_not_leak_and_every_crossing_has_one_owner() {
     for shape in solids() {
         for place in places() {
             let scene = scene_of(&[(shape.clone(), place)]);
-            let assembly = Assembly::<f64>::new(&scene, None).unwrap();
-            let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
+            let assembly = assembled::<f64>(&scene, None).unwrap();
+            let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
             let mut walker = Walker::default();
             let (marks, inside) = landmarks(&shape);
             let inside = place.transform_point3(inside);
             let mut balance = |o: DVec3, d: DVec3| {
                 let ray = Ray::new(o, d);
-                let found = plan
-                    .surfaces()
+                let found = surfaces::<f64>(&plan)
                     .crossings(&ray, &mut walker, |_| true)
                     .unwrap();
                 let sides: i32 = found.iter().map(|h| if h.back { -1 } else { 1 }).sum();
@@ -348,9 +345,9 @@ fn points_lie_on_the_shape_normals_lead_out_and_spawned_rays_do_not_meet_it() {
     for shape in solids() {
         for place in places() {
             let scene = scene_of(&[(shape.clone(), place)]);
-            let assembly = Assembly::<f64>::new(&scene, None).unwrap();
-            let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
-            let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
+            let assembly = assembled::<f64>(&scene, None).unwrap();
+            let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
+            let (surfaces, mut walker) = (surfaces::<f64>(&plan), Walker::default());
             let object = place.inverse();
             let bounds = fit::of_shape(&shape, &place).unwrap();
             let mut judged = 0;
@@ -420,12 +417,11 @@ fn open_shapes_show_their_inside_through_the_ends() {
     };
     let crossings = |shape: Shape, o: DVec3, d: DVec3| {
         let scene = scene_of(&[(shape, DAffine3::IDENTITY)]);
-        let assembly = Assembly::<f64>::new(&scene, None).unwrap();
-        let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
+        let assembly = assembled::<f64>(&scene, None).unwrap();
+        let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
         let mut walker = Walker::default();
         let ray = Ray::new(o, d);
-        let found = plan
-            .surfaces()
+        let found = surfaces::<f64>(&plan)
             .crossings(&ray, &mut walker, |_| true)
             .unwrap();
         found.iter().map(|h| (h.t, h.back)).collect::<Vec<_>>()
@@ -459,16 +455,16 @@ fn the_hierarchy_equals_brute_force_on_round_shapes() {
         shapes.push((shape, at * places()[i % 4]));
     }
     let scene = scene_of(&shapes);
-    let assembly = Assembly::<f32>::new(&scene, None).unwrap();
-    let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).unwrap();
+    let assembly = assembled::<f32>(&scene, None).unwrap();
+    let plan = tracer(&scene, &assembly, Geometry::Exact).unwrap();
     let mut walker = Walker::default();
     let mut met = 0;
     for i in 0..20_000 {
         let axis = [DVec3::X, DVec3::Y, DVec3::NEG_Z][i % 3];
         let d = if i % 7 == 0 { axis } else { random.direction() };
         let ray = Ray::new(8.0 * random.vector(), d);
-        let found = plan.surfaces().closest_hit(&ray, &mut walker);
-        assert_eq!(found, plan.surfaces().closest_hit_of_all(&ray));
+        let found = surfaces::<f32>(&plan).closest_hit(&ray, &mut walker);
+        assert_eq!(found, surfaces::<f32>(&plan).closest_hit_of_all(&ray));
         met += usize::from(found.is_some());
     }
     assert!(met > 4000, "{met}");
@@ -476,21 +472,11 @@ fn the_hierarchy_equals_brute_force_on_round_shapes() {
 
 fn all_shapes(width: u32, height: u32) -> Scene {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/shapes.toml");
-    let mut scene = load(path, &LoadOptions::default()).unwrap().scene;
-    (scene.image.width, scene.image.height) = (width, height);
-    scene
+    scenes::scene(path, [width, height], &[])
 }
 
-fn both_agree<R: Real>(scene: &Scene) {
-    let options = Steps {
-        level: None,
-        isa: Isa::detect(),
-        model: Model::Required,
-        shadows: true,
-        reflection: true,
-        refraction: true,
-    };
-    let ladder = decompose::<R>(scene, &options, &|_| {}).unwrap();
+fn both_agree(scene: &Scene, precision: Precision) {
+    let ladder = ladder::climb(scene, &ladder::options(precision));
     assert_eq!(ladder.residual_max, 0.0);
     let agreement = ladder.agreement;
     println!("{agreement:?}");
@@ -522,8 +508,9 @@ fn a_scene_of_all_shapes_is_explained_without_residual() {
             "{name}"
         );
     }
-    both_agree::<f32>(&all_shapes(320, 240));
-    both_agree::<f64>(&all_shapes(320, 240));
+    let scene = all_shapes(320, 240);
+    both_agree(&scene, Precision::F32);
+    both_agree(&scene, Precision::F64);
 }
 
 #[test]

@@ -1,15 +1,14 @@
 //! The tracer against brute force, the numerics cases, and laws that every picture obeys; `tests/pictures/whitted` holds it to
 //! closed forms. Most pictures here are one pixel: an orthographic camera whose single ray is known exactly.
 
+use crate::common::precise::{Precise, assembled, follow, surfaces, tracer};
 use crate::common::scale::scaled;
 use crate::probe::rays;
 use rastray::error::Error;
 use rastray::frame::NONE;
 use rastray::gl;
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DMat3, DVec3};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::{
     Camera, Geometry as Form, Light, LightSpace, Material, Mesh, Object, Optics, Projection, Scene,
     Shape,
@@ -18,7 +17,7 @@ use rastray::trace::build::Bounds;
 use rastray::trace::bvh::{Bvh, Walker};
 use rastray::trace::planar::Shear;
 use rastray::trace::ray::Ray;
-use rastray::trace::{Counters, Geometry, Options, Plan};
+use rastray::trace::{Counters, Geometry, Options};
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -113,14 +112,14 @@ fn options(scene: &Scene) -> Options {
     Options::of(scene, Isa::Scalar)
 }
 
-fn try_draw<R: Real>(
+fn try_draw<R: Precise>(
     scene: &Scene,
     geometry: Geometry,
     options: &Options,
 ) -> Result<(rastray::frame::Frame<R>, Counters), Box<Error>> {
-    let assembly = Assembly::<R>::new(scene, Some(16))?;
-    let plan = Plan::new(scene, &assembly, geometry, Model::Required)?;
-    Ok(plan.draw(options)?)
+    let assembly = assembled::<R>(scene, Some(16))?;
+    let plan = tracer(scene, &assembly, geometry)?;
+    Ok(follow(&plan, options)?)
 }
 
 /// The one pixel's green, f64, exact shapes.
@@ -333,14 +332,14 @@ fn busy() -> Scene {
     scene
 }
 
-fn layers_add_up<R: Real>(scene: &Scene) {
+fn layers_add_up<R: Precise>(scene: &Scene) {
     for geometry in [Geometry::Exact, Geometry::Mesh] {
-        let assembly = Assembly::<R>::new(scene, Some(16)).unwrap();
-        let plan = Plan::new(scene, &assembly, geometry, Model::Required).unwrap();
+        let assembly = assembled::<R>(scene, Some(16)).unwrap();
+        let plan = tracer(scene, &assembly, geometry).unwrap();
         let mut asked = options(scene);
-        let (plain, _) = plan.draw(&asked).unwrap();
+        let (plain, _) = follow::<R>(&plan, &asked).unwrap();
         asked.layers = true;
-        let (frame, counters) = plan.draw(&asked).unwrap();
+        let (frame, counters) = follow::<R>(&plan, &asked).unwrap();
         assert_eq!(
             plain.color, frame.color,
             "layers change no byte of the picture"
@@ -385,13 +384,14 @@ fn threads_and_tiles_change_no_byte() {
             .build()
             .unwrap();
         pool.install(|| {
-            let assembly = Assembly::<f32>::new(&scene, None).unwrap();
-            let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
+            let assembly = assembled::<f32>(&scene, None).unwrap();
+            let plan = tracer(&scene, &assembly, Geometry::Mesh).unwrap();
             let asked = Options {
                 layers: true,
                 ..options(&scene)
             };
-            plan.draw_tiles(&asked, tile).unwrap()
+            let drawn = plan.draw_tiles(&asked, tile).unwrap();
+            (drawn.picture, drawn.counters)
         })
     };
     let first = draw(1, 16);
@@ -661,19 +661,19 @@ fn random_ray(random: &mut Random, i: usize) -> Ray {
     ray
 }
 
-fn hierarchy_equals_brute_force<R: Real>(rays: usize) {
+fn hierarchy_equals_brute_force<R: Precise>(rays: usize) {
     let mut random = Random(7);
     let mut found = 0;
     for round in 0..5 {
         let scene = cluttered(&mut random);
-        let assembly = Assembly::<R>::new(&scene, None).unwrap();
+        let assembly = assembled::<R>(&scene, None).unwrap();
         let geometry = if round == 4 {
             Geometry::Mesh
         } else {
             Geometry::Exact
         };
-        let plan = Plan::new(&scene, &assembly, geometry, Model::Required).unwrap();
-        let (surfaces, mut walker) = (plan.surfaces(), Walker::default());
+        let plan = tracer(&scene, &assembly, geometry).unwrap();
+        let (surfaces, mut walker) = (surfaces::<R>(&plan), Walker::default());
         for i in 0..rays / 5 {
             let ray = random_ray(&mut random, i);
             let nearest = surfaces.closest_hit(&ray, &mut walker);
@@ -810,14 +810,14 @@ fn jittered_ball(level: u32) -> Mesh {
     mesh
 }
 
-fn closed_meshes_do_not_leak<R: Real>() {
+fn closed_meshes_do_not_leak<R: Precise>() {
     let mut scene = Scene::default();
     let m = glowing(&mut scene, 1.0);
     let mesh = jittered_ball(48);
     add_mesh(&mut scene, mesh.clone(), m);
-    let assembly = Assembly::<R>::new(&scene, None).unwrap();
-    let plan = Plan::new(&scene, &assembly, Geometry::Mesh, Model::Required).unwrap();
-    let (surfaces, mut walker, mut random) = (plan.surfaces(), Walker::default(), Random(3));
+    let assembly = assembled::<R>(&scene, None).unwrap();
+    let plan = tracer(&scene, &assembly, Geometry::Mesh).unwrap();
+    let (surfaces, mut walker, mut random) = (surfaces::<R>(&plan), Walker::default(), Random(3));
     let mut aimed = 0;
     for (i, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = triangle.map(|k| mesh.positions[k as usize]);

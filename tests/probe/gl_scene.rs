@@ -13,10 +13,8 @@ use rastray::context::{
 use rastray::frame::{NONE, Plane};
 use rastray::gl::{ColorControl, Face, ShadeModel};
 use rastray::import::{LoadOptions, load};
-use rastray::lanes::{Isa, Real};
 use rastray::math::float::normalize;
-use rastray::raster::{Options, Plan};
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Assembled, Options, Precision, Rasterizer};
 use rastray::scene::requirements::Model;
 use rastray::scene::{Cull, FrontFace, Geometry, Scene, Snap};
 use serde::Deserialize;
@@ -166,49 +164,44 @@ pub(crate) fn shading(name: &str) -> Result<ShadeModel, Failure> {
 }
 
 /// Draws a scene's JSON; `folder` is where the paths of its OBJ files start.
-pub(crate) fn draw<R: Real>(
+pub(crate) fn draw(
     text: &str,
     folder: &Path,
     shading: ShadeModel,
+    precision: Precision,
     snap: Snap,
 ) -> Result<Buffers, Failure> {
     let case: Case = serde_json::from_str(text)?;
     let mut scene = case.record(folder)?;
     scene.raster.snap = snap;
-    case.buffers::<R>(&scene, shading)
+    case.buffers(&scene, shading, precision)
 }
 
 impl Case {
     /// The buffers of the recorded scene.
-    pub(crate) fn buffers<R: Real>(
+    pub(crate) fn buffers(
         &self,
         scene: &Scene,
         shading: ShadeModel,
+        precision: Precision,
     ) -> Result<Buffers, Failure> {
-        let assembly = Assembly::<R>::new(scene, None)?;
-        let plan = Plan::new(scene, &assembly, Model::Required);
-        let options = Options {
-            shading,
-            clamp: self.clamp,
-            layers: false,
-            isa: Isa::detect(),
-        };
-        let (frame, _) = plan.draw(&options)?;
+        let assembled = Assembled::unchecked(scene, None, precision)?;
+        let plan = Rasterizer::new(scene, &assembled, Model::Required);
+        let options = Options::default().raster(shading, self.clamp, false);
+        let picture = plan.draw(&options)?.picture;
         // Alpha is the diffuse alpha of the visible front material (GL 2.1 section 2.14.1); no scene has another for the back.
         let alpha = |primitive: u32| match primitive {
             NONE => self.clear_color[3],
             seen => {
-                let material = assembly.material[seen as usize] as usize;
+                let material = assembled.materials()[seen as usize] as usize;
                 scene.materials[material].front.alpha
             }
         };
         let limit = |x: f64| if self.clamp { x.clamp(0.0, 1.0) } else { x };
-        let colors = frame.color.data.iter().zip(&frame.primitive.data);
-        let rgba = colors.map(|(c, &primitive)| {
-            let [r, g, b] = c.map(Real::to_f32);
-            [r, g, b, limit(alpha(primitive)) as f32]
-        });
-        let (width, height) = (frame.color.width, frame.color.height);
+        let (color, primitive) = (picture.color_f32(), picture.primitive());
+        let colors = color.data.iter().zip(&primitive.data);
+        let rgba = colors.map(|(&[r, g, b], &primitive)| [r, g, b, limit(alpha(primitive)) as f32]);
+        let [width, height] = picture.size();
         let rgba = Plane {
             width,
             height,
@@ -216,12 +209,8 @@ impl Case {
         };
         Ok(Buffers {
             rgba: bottom_up(&rgba),
-            depth: bottom_up(&plan.window_depth(&frame.primitive).map(|z| *z as f32)),
-            prim: bottom_up(
-                &frame
-                    .primitive
-                    .map(|p| if *p == NONE { -1 } else { *p as i32 }),
-            ),
+            depth: bottom_up(&plan.window_depth(primitive).map(|z| *z as f32)),
+            prim: bottom_up(&primitive.map(|p| if *p == NONE { -1 } else { *p as i32 })),
             count: bottom_up(&plan.coverage_counts().map(|n| (*n).min(255) as u8)),
         })
     }

@@ -16,6 +16,7 @@ mod trace;
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
+use rastray::render::Precision;
 use rastray::scene::Snap;
 
 /// Anything that stops the program, as one sentence.
@@ -76,10 +77,7 @@ fn run(arguments: &[String]) -> Result<(), Failure> {
 
 /// Traces the rays of standard input; those that cannot be traced are told in their lines, and at the end.
 fn trace(arguments: &[String]) -> Result<(), Failure> {
-    let precision = match precision(arguments)? {
-        Precision::F32 => rastray::render::Precision::F32,
-        Precision::F64 => rastray::render::Precision::F64,
-    };
+    let precision = precision(arguments)?;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     let good = trace::answer(std::io::stdin().lock(), precision, &mut out)?;
     out.flush()?;
@@ -98,10 +96,11 @@ fn gl_scene(arguments: &[String]) -> Result<(), Failure> {
     let folder = std::path::Path::new(path).parent().unwrap_or("".as_ref());
     let text = file(path)?;
     let stated = option(arguments, "--precision").is_some();
-    let buffers = match precision(arguments)? {
-        Precision::F64 if stated => gl_scene::draw::<f64>(&text, folder, shading, snap(arguments)?),
-        _ => gl_scene::draw::<f32>(&text, folder, shading, snap(arguments)?),
+    let precision = match precision(arguments)? {
+        Precision::F64 if stated => Precision::F64,
+        _ => Precision::F32,
     };
+    let buffers = gl_scene::draw(&text, folder, shading, precision, snap(arguments)?);
     buffers.map_err(|e| format!("{path}: {e}"))?.write(prefix)
 }
 
@@ -112,11 +111,6 @@ fn snap(arguments: &[String]) -> Result<Snap, Failure> {
         Some("exact") => Ok(Snap::Exact),
         Some(other) => Err(format!("--snap: expected 8, 12 or exact, found {other:?}").into()),
     }
-}
-
-enum Precision {
-    F32,
-    F64,
 }
 
 /// The value after a flag.

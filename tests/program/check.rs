@@ -8,15 +8,16 @@
 //! `cargo test --test program check:: -- --ignored --nocapture`.
 
 use crate::common::plain::{Lamp, Matter, Mesh, World, Wrong, gouraud};
+use crate::common::program::rastray;
+use crate::common::scenes::scene;
 use rastray::check::{Finding, Given, Mode, Options, Report, Verdict, check};
-use rastray::frame::Plane;
-use rastray::import::{self, LoadOptions};
-use rastray::lanes::Isa;
+use rastray::frame::{self, Plane};
+use rastray::gl::ShadeModel;
+use rastray::import;
 use rastray::math::DVec3;
 use rastray::math::color::{quantize8, srgb_from_linear};
+use rastray::render::{self, Assembled, Job, Rasterizer};
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::{raster, trace};
 
 type Values = Plane<[f32; 3]>;
@@ -32,54 +33,26 @@ enum Source {
 }
 
 fn load(source: Source, sets: &[&str], size: [usize; 2]) -> Scene {
-    let options = LoadOptions {
-        sets: sets.iter().map(|s| (*s).to_owned()).collect(),
-        strict_gl: false,
-    };
-    let mut imported = match source {
-        Source::Shipped(name) => import::load(name, &options).expect("a shipped scene"),
-        Source::Own(text) => from_text(&text(), &options),
-    };
-    imported.resize(size[0] as u32, size[1] as u32);
-    imported.scene
-}
-
-fn from_text(text: &str, options: &LoadOptions) -> import::Imported {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("scene.toml");
-    std::fs::write(&path, text).expect("writable");
-    import::load(path.to_str().expect("UTF-8"), options).expect("a scene")
+    let size = size.map(|n| n as u32);
+    match source {
+        Source::Shipped(name) => scene(name, size, sets),
+        Source::Own(text) => {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = folder.path().join("scene.toml");
+            std::fs::write(&path, text()).expect("writable");
+            scene(path.to_str().expect("UTF-8"), size, sets)
+        }
+    }
 }
 
 /// A right picture, clamped where GL clamps.
-fn draw(scene: &Scene, mode: Mode, layers: bool) -> (Values, Option<rastray::frame::Layers<f32>>) {
-    let assembly = Assembly::<f32>::new(scene, None).expect("few triangles");
-    let isa = Isa::detect();
-    let frame = match mode.shading() {
-        Some(shading) => {
-            let clamp = !layers;
-            let options = raster::Options {
-                shading,
-                clamp,
-                layers,
-                isa,
-            };
-            raster::Plan::new(scene, &assembly, Model::Required).draw(&options)
-        }
-        .map(|(frame, _)| frame),
-        None => {
-            let plan = trace::Plan::new(scene, &assembly, trace::Geometry::Exact, Model::Required);
-            let options = match mode {
-                Mode::Cast => trace::Options::cast(isa),
-                _ => trace::Options::of(scene, isa),
-            };
-            let options = trace::Options { layers, ..options };
-            plan.and_then(|plan| plan.draw(&options))
-                .map(|(frame, _)| frame)
-        }
-    };
-    let frame = frame.expect("drawn");
-    (frame.color_f32(), frame.layers)
+fn draw(scene: &Scene, mode: Mode, layers: bool) -> (Values, Option<frame::Layers<f32>>) {
+    let mut job = Job::new(scene, mode.renderer());
+    job.shading = mode.shading().unwrap_or(job.shading);
+    job.clamp = !layers;
+    job.layers = layers;
+    let picture = job.draw().expect("drawn").picture;
+    (picture.color_f32(), picture.layers_f32())
 }
 
 fn eight_bits(linear: &Values) -> Values {
@@ -97,18 +70,13 @@ fn given(color: Values) -> Given {
 fn options(modes: &[Mode]) -> Options {
     Options {
         modes: modes.to_vec(),
-        level: None,
-        isa: Isa::detect(),
-        model: Model::Required,
-        shadows: true,
-        reflection: true,
-        refraction: true,
+        render: render::Options::default(),
         srgb: false,
     }
 }
 
 fn judge(scene: &Scene, picture: &Given, modes: &[Mode]) -> Report {
-    check::<f32>(scene, picture, &options(modes), &|_, _, _| {}).expect("checked")
+    check(scene, picture, &options(modes), &|_, _, _| {}).expect("checked")
 }
 
 fn rmse(a: &Values, b: &Values) -> f64 {
@@ -979,12 +947,7 @@ fn a_right_picture_of_another_kind_is_told() {
 
 /// `rastray check` in a folder: its exit code, and all that it says, in one line.
 fn run_check(folder: &std::path::Path, args: &[&str]) -> (Option<i32>, String) {
-    let run = std::process::Command::new(env!("CARGO_BIN_EXE_rastray"))
-        .arg("check")
-        .args(args)
-        .current_dir(folder)
-        .output()
-        .expect("it runs");
+    let run = rastray(folder, &[&["check"], args].concat());
     let said = [run.stdout, run.stderr].concat();
     let said = String::from_utf8(said).expect("UTF-8");
     let words: Vec<&str> = said.split_whitespace().collect();
@@ -1136,32 +1099,27 @@ fn plans_that_are_relit_draw_what_new_ones_draw() {
         &["light.sun.diffuse=0.2", "material.glass.shininess=3"],
         size,
     );
-    let isa = Isa::detect();
-    let assembly = Assembly::<f32>::new(&scene, None).expect("few triangles");
-    let plan = trace::Plan::new(&scene, &assembly, trace::Geometry::Exact, Model::Required)
-        .expect("a plan");
+    let asked = render::Options::default();
+    let assembled = Assembled::new(&scene, None, asked.precision).expect("few triangles");
+    let plan =
+        render::Tracer::new(&scene, &assembled, asked.geometry, asked.model).expect("a plan");
     let relit = plan.relit(&other).with_faults(trace::Faults::default());
-    let (frame, _) = relit.draw(&trace::Options::of(&other, isa)).expect("drawn");
-    assert_eq!(frame.color, draw(&other, Trace, false).0);
-    let plan = raster::Plan::new(&scene, &assembly, Model::Required);
+    let drawn = relit.draw(&asked.trace(&other)).expect("drawn");
+    assert_eq!(drawn.picture.color_f32(), draw(&other, Trace, false).0);
+    let plan = Rasterizer::new(&scene, &assembled, asked.model);
     let relit = plan
-        .relit(&dimmed, &assembly)
+        .relit(&dimmed, &assembled)
         .with_faults(raster::Faults::default());
-    let options = raster::Options {
-        shading: rastray::gl::ShadeModel::Gouraud,
-        clamp: true,
-        layers: false,
-        isa,
-    };
-    let (frame, _) = relit.draw(&options).expect("drawn");
-    assert_eq!(frame.color, draw(&dimmed, Gour, false).0);
+    let gouraud = asked.raster(ShadeModel::Gouraud, true, false);
+    let drawn = relit.draw(&gouraud).expect("drawn");
+    assert_eq!(drawn.picture.color_f32(), draw(&dimmed, Gour, false).0);
 }
 
 #[test]
 fn wrong_input_is_refused() {
     let scene = load(WHITTED, &[], [WIDTH, HEIGHT]);
     let run = |picture: Values, modes: &[Mode]| {
-        let error = check::<f32>(&scene, &given(picture), &options(modes), &|_, _, _| {});
+        let error = check(&scene, &given(picture), &options(modes), &|_, _, _| {});
         error.expect_err("refused").to_string()
     };
     let plain = Plane::filled(WIDTH, HEIGHT, [0.5f32; 3]);

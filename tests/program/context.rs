@@ -6,18 +6,18 @@ use rastray::context::{
     Array, Buffers, Capability, Context, Format, GlError, LightModelParameter, LightParameter,
     MAX_LIGHTS, MAX_MODELVIEW_STACK_DEPTH, MaterialParameter, MatrixMode, PrimitiveMode,
 };
-use rastray::decompose::{Options, decompose};
 use rastray::frame::{Frame, NONE};
 use rastray::gl::{self, ColorMaterialMode, Face, LightSource, ShadeModel};
-use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DMat4, DVec3};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
+use rastray::render::{Options, Precision, Renderer};
 use rastray::scene::{
     Camera, Cull, FrontFace, Geometry, Light, LightSpace, Material, Mesh, Object, Optics,
     Projection, Scene, Shape,
 };
-use rastray::{raster, trace};
+use rastray::trace;
+
+use crate::common::exact;
+use crate::common::ladder::{climb, options};
 
 // ---- scenes with a projection matrix --------------------------------------------------------------------------------
 
@@ -102,21 +102,15 @@ fn sample_scene(projection: Projection) -> Scene {
 }
 
 fn rasterized(scene: &Scene) -> Frame<f64> {
-    let assembly = Assembly::new(scene, None).unwrap();
-    let options = raster::Options {
-        shading: ShadeModel::Phong,
-        clamp: false,
-        layers: false,
-        isa: Isa::detect(),
-    };
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
-    plan.draw(&options).unwrap().0
+    exact::rasterized(scene, &options(Precision::F64), ShadeModel::Phong)
 }
 
 fn cast(scene: &Scene) -> Frame<f64> {
-    let assembly = Assembly::new(scene, None).unwrap();
-    let plan = trace::Plan::new(scene, &assembly, trace::Geometry::Mesh, Model::Required).unwrap();
-    plan.draw(&trace::Options::cast(Isa::detect())).unwrap().0
+    let options = Options {
+        geometry: trace::Geometry::Mesh,
+        ..options(Precision::F64)
+    };
+    exact::traced(scene, &options, Renderer::Cast)
 }
 
 /// Projection matrices of every form, all of which see the sample scene.
@@ -156,15 +150,7 @@ fn both_renderers_see_the_same_through_any_matrix() {
         let scene = sample_scene(Projection::Matrix {
             clip_from_eye: matrix,
         });
-        let options = Options {
-            level: None,
-            isa: Isa::detect(),
-            model: Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
-        };
-        let ladder = decompose::<f64>(&scene, &options, &|_| {}).unwrap();
+        let ladder = climb(&scene, &options(Precision::F64));
         let agreement = ladder.agreement;
         assert_eq!(ladder.residual_max, 0.0, "{name}");
         assert!(agreement.interior_max <= 1e-9, "{name}: {agreement:?}");

@@ -4,41 +4,31 @@
 //! from its own numbers. The measure, 200 random pixels of every shipped scene in both precisions, takes minutes:
 //! `cargo test --release --test program explain:: -- --ignored --nocapture`. A smaller one runs by default.
 
-use rastray::decompose::{CAUSES, decompose};
-use rastray::explain::{Explainer, Explanation, Kind, Options, Precision, Ray, Setting, Terms};
+use rastray::decompose::CAUSES;
+use rastray::explain::{Explainer, Explanation, Kind, Ray, Setting, Terms};
 use rastray::frame::sum_in_order;
 use rastray::gl::ShadeModel;
-use rastray::import::{LoadOptions, load, shipped};
-use rastray::lanes::{Isa, Real};
+use rastray::import::shipped;
+use rastray::lanes::Real;
+use rastray::render::{Options, Precision, Renderer};
 use rastray::report::pixel::{Layout, figure, paths, text};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::{Camera, Scene};
-use rastray::{raster, trace};
+use rastray::trace;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
+use crate::common::exact;
+use crate::common::ladder;
+use crate::common::program;
 use crate::common::random::Random;
+use crate::common::scenes::scene;
 use crate::probe::trace as probe_trace;
 
-fn scene(name: &str, size: [u32; 2], sets: &[&str]) -> Scene {
-    let options = LoadOptions {
-        sets: sets.iter().map(|s| (*s).to_owned()).collect(),
-        ..LoadOptions::default()
-    };
-    let mut imported = load(name, &options).expect("a shipped scene");
-    imported.resize(size[0], size[1]);
-    imported.scene
-}
-
 fn options(precision: Precision) -> Options {
-    let mut options = Options {
-        precision,
-        ..Options::default()
-    };
-    options.ladder.level = Some(24);
-    options
+    Options {
+        level: Some(24),
+        ..ladder::options(precision)
+    }
 }
 
 /// One pixel of a scene.
@@ -112,29 +102,18 @@ fn added_up<R: Real>(rays: &[Ray], kind: Kind, signed: bool) -> [R; 3] {
 }
 
 /// Both pictures of a scene as `render` writes them to float files.
-fn pictures<R: Real>(scene: &Scene, asked: &Options) -> [Vec<[R; 3]>; 2] {
-    let assembly = Assembly::<R>::new(scene, asked.ladder.level).expect("triangles");
-    let isa = Isa::detect();
-    let options = raster::Options {
-        shading: scene.raster.shading,
-        clamp: false,
-        layers: false,
-        isa,
-    };
-    let plan = raster::Plan::new(scene, &assembly, Model::Required);
-    let (rastered, _) = plan.draw(&options).expect("drawn");
-    let plan = trace::Plan::new(scene, &assembly, asked.geometry, Model::Required).expect("plan");
-    let (traced, _) = plan.draw(&trace::Options::of(scene, isa)).expect("traced");
-    [rastered.color.data, traced.color.data]
+fn pictures(scene: &Scene, asked: &Options) -> [Vec<[f64; 3]>; 2] {
+    let raster = exact::rasterized(scene, asked, scene.raster.shading);
+    [raster, exact::traced(scene, asked, Renderer::Trace)].map(|frame| frame.color.data)
 }
 
 /// Holds an explanation to the pixels of both pictures, and its parts to its totals.
-fn check<R: Real>(scene: &Scene, e: &Explanation, raster: [R; 3], trace: [R; 3]) {
+fn check<R: Real>(scene: &Scene, e: &Explanation, raster: [f64; 3], trace: [f64; 3]) {
     let at = format!("{} {:?} {}", scene.name, e.pixel, R::NAME);
     let signed = scene.has_negative_colors();
     let wide = |c: [R; 3]| c.map(R::to_f64);
-    assert_eq!(bits(e.raster.color), bits(wide(raster)), "raster of {at}");
-    assert_eq!(bits(e.trace.color), bits(wide(trace)), "trace of {at}");
+    assert_eq!(bits(e.raster.color), bits(raster), "raster of {at}");
+    assert_eq!(bits(e.trace.color), bits(trace), "trace of {at}");
     // The rasterizer's terms.
     let values = |terms: &Terms| list(terms).into_iter().map(narrow::<R>).collect::<Vec<_>>();
     let sum = |terms: &Terms| wide(sum_in_order(values(terms).into_iter(), signed));
@@ -206,7 +185,7 @@ fn check<R: Real>(scene: &Scene, e: &Explanation, raster: [R; 3], trace: [R; 3])
 
 /// Random pixels of a scene against both pictures.
 fn check_scene<R: Real>(scene: &Scene, asked: &Options, pixels: usize, seed: u64) {
-    let [raster, trace] = pictures::<R>(scene, asked);
+    let [raster, trace] = pictures(scene, asked);
     let setting = Setting::new(scene, asked.clone()).expect("a scene");
     let explainer = setting.explainer().expect("plans");
     let mut random = Random(seed);
@@ -214,12 +193,8 @@ fn check_scene<R: Real>(scene: &Scene, asked: &Options, pixels: usize, seed: u64
         let mut below = |n: u32| ((random.next() + 1.0) / 2.0 * f64::from(n)) as u32;
         let (x, y) = (below(scene.image.width), below(scene.image.height));
         let i = (y * scene.image.width + x) as usize;
-        check(
-            scene,
-            &explainer.at(x, y).expect("inside"),
-            raster[i],
-            trace[i],
-        );
+        let explained = explainer.at(x, y).expect("inside");
+        check::<R>(scene, &explained, raster[i], trace[i]);
     }
 }
 
@@ -285,7 +260,7 @@ fn causes_are_those_of_the_ladder() {
     for name in ["lights", "19-ray-tree", "two-sided"] {
         let scene = scene(name, [32, 24], &[]);
         let asked = options(Precision::F32);
-        let ladder = decompose::<f32>(&scene, &asked.ladder, &|_| ()).expect("climbs");
+        let ladder = ladder::climb(&scene, &asked);
         for (i, explained) in all(&scene).iter().enumerate() {
             assert_eq!(explained.difference, ladder.total().data[i]);
             for (k, cause) in explained.causes.iter().enumerate() {
@@ -701,14 +676,10 @@ fn ray_paths_are_the_rays() {
 }
 
 fn rastray(folder: &Path, args: &[&str]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_rastray"))
-        .args(args)
-        .current_dir(folder)
-        .output()
-        .expect("runs");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let output = program::rastray(folder, args);
     let code = output.status.code().unwrap_or(-1);
-    (code, text(&output.stdout), text(&output.stderr))
+    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| program::text(bytes));
+    (code, out, err)
 }
 
 #[test]

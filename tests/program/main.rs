@@ -13,9 +13,13 @@ mod trade;
 /// Helpers that several tests share.
 #[path = "../common"]
 mod common {
+    pub(crate) mod exact;
+    pub(crate) mod ladder;
     pub(crate) mod plain;
+    pub(crate) mod program;
     #[allow(dead_code, reason = "rays and vectors are for other tests")]
     pub(crate) mod random;
+    pub(crate) mod scenes;
 }
 
 /// The conformance adapter's own code.

@@ -5,25 +5,26 @@
 //! show already (`tests/pictures/agreement.rs`: diffuse and specular orders and constants on meshes) is not repeated; here the
 //! slopes are those that a page prints.
 
-use std::path::Path;
-use std::process::{Command, Output};
 use std::time::Duration;
+
+use crate::common::program::{rastray, text};
 
 use rastray::gl::{self, LightSource, ShadeModel};
 use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DVec3};
+use rastray::render::Renderer;
 use rastray::sampling::Pattern;
 use rastray::scene::{
     Geometry, Light, LightSpace, Material, Object, Optics, Projection, Scene, Shape,
 };
 use rastray::trade::axis::{Axis, LEVELS, axes};
-use rastray::trade::draw::Job;
+use rastray::trade::draw::{Ready, Shot};
 use rastray::trade::finding::{AxisFinding, Curve, Point, finding};
 use rastray::trade::fit::{Power, falling};
 use rastray::trade::journal::Journal;
 use rastray::trade::measure::{Judge, judge};
 use rastray::trade::run::{Options, run};
-use rastray::trade::setting::{Renderer, Setting};
+use rastray::trade::setting::Setting;
 use rastray::trade::truth::{LEAST_WEIGHT, Truth};
 
 /// A scene of one shape in a square picture, seen along -z without perspective; `height` units are in view.
@@ -213,7 +214,7 @@ fn silhouettes_lose_the_area_of_their_polygon() {
             pattern: Pattern::Grid,
             ..setting
         };
-        let drawn = Job::new(&scene, &setting, Isa::detect())
+        let drawn = Ready::new(&scene, &setting, Isa::detect())
             .draw()
             .expect("draws");
         drawn.color.data.iter().map(|c| c[0]).sum()
@@ -251,12 +252,12 @@ fn samples_have_the_slopes_of_their_patterns() {
         pattern: Pattern::Jitter,
         ..Setting::by(Renderer::Trace, &scene)
     };
-    let mut sum: Option<rastray::trade::draw::Drawn> = None;
+    let mut sum: Option<Shot> = None;
     let mut errors = Vec::new();
     for seed in 1..=64 {
         let mut seeded = scene.clone();
         seeded.image.seed = seed;
-        let drawn = Job::new(&seeded, &setting, Isa::detect())
+        let drawn = Ready::new(&seeded, &setting, Isa::detect())
             .draw()
             .expect("draws");
         let total = match sum.take() {
@@ -365,19 +366,6 @@ fn an_interrupted_run_goes_on_to_the_same_end() {
     let mut journal = Journal::open(&path, &scene, Isa::detect()).expect("opens");
     run(&scene, &options(600.0), &mut journal, &|_, _, _| {}).expect("runs");
     assert_eq!(journal.measured, whole.measured);
-}
-
-fn rastray(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rastray"))
-        .current_dir(folder)
-        .args(args)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 const SMALL: [&str; 8] = [

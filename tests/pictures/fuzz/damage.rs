@@ -6,11 +6,10 @@ use proptest::sample::select;
 use rastray::gl::ShadeModel;
 use rastray::import::shipped;
 use rastray::lanes::Isa;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
 use rastray::scene::{Geometry, Scene, Shape};
 use rastray::{raster, trace};
 
+use crate::common::precise::{assembled, follow, rasterize, rasterizer, tracer};
 use crate::common::text::import;
 
 /// Where the numbers and strings of a text stand, comments left out.
@@ -134,7 +133,7 @@ fn small(mut scene: Scene) -> Scene {
 
 /// Draws it both ways; errors are fine, infinite colours are, NaN is not.
 fn draws(scene: &Scene) -> Result<(), TestCaseError> {
-    let Ok(assembly) = Assembly::<f32>::new(scene, None) else {
+    let Ok(assembly) = assembled::<f32>(scene, None) else {
         return Ok(());
     };
     let isa = Isa::detect();
@@ -145,15 +144,15 @@ fn draws(scene: &Scene) -> Result<(), TestCaseError> {
             layers: true,
             isa,
         };
-        let plan = raster::Plan::new(scene, &assembly, Model::Required);
-        if let Ok((frame, _)) = plan.draw(&options) {
+        let plan = rasterizer(scene, &assembly);
+        if let Ok((frame, _)) = rasterize::<f32>(&plan, &options) {
             prop_assert!(!frame.has_nan(), "{:?}", shading);
         }
     }
     for geometry in [trace::Geometry::Exact, trace::Geometry::Mesh] {
-        let plan = trace::Plan::new(scene, &assembly, geometry, Model::Required);
+        let plan = tracer(scene, &assembly, geometry);
         let options = trace::Options::of(scene, isa);
-        if let Ok((frame, _)) = plan.and_then(|plan| plan.draw(&options)) {
+        if let Ok((frame, _)) = plan.and_then(|plan| follow::<f32>(&plan, &options)) {
             prop_assert!(!frame.has_nan(), "{:?}", geometry);
         }
     }

@@ -3,10 +3,9 @@
 use rastray::frame::NONE;
 use rastray::gl::ShadeModel;
 use rastray::lanes::Isa;
-use rastray::raster::{Options, Plan};
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
+use rastray::raster::Options;
 
+use crate::common::precise::{assembled, rasterize, rasterizer};
 use crate::common::text::import;
 
 /// A road that runs from far ahead to far behind the eye, one unit wide, looked down at from a height of one: pixel (x, y)
@@ -26,15 +25,15 @@ fn a_road_past_the_eye_keeps_its_width() {
              indices = [[0, 1, 2, 3]]\n"
         );
         let scene = import(&text).expect("a scene").scene;
-        let assembly = Assembly::<f64>::new(&scene, None).expect("two triangles");
+        let assembly = assembled::<f64>(&scene, None).expect("two triangles");
         let options = Options {
             shading: ShadeModel::Flat,
             clamp: false,
             layers: false,
             isa: Isa::Scalar,
         };
-        let plan = Plan::new(&scene, &assembly, Model::Required);
-        let frame = plan.draw(&options).expect("drawn").0;
+        let plan = rasterizer(&scene, &assembly);
+        let frame = rasterize::<f64>(&plan, &options).expect("drawn").0;
         for y in 0..height {
             for x in 0..width {
                 let right = (f64::from(x) + 0.5 - 24.0) / f;
@@ -67,15 +66,15 @@ fn a_corner_at_the_near_plane_keeps_its_triangle() {
              indices = [[0, 1, 2], [0, 3, 1]]\n"
         );
         let scene = import(&text).expect("a scene").scene;
-        let assembly = Assembly::<f64>::new(&scene, None).expect("two triangles");
+        let assembly = assembled::<f64>(&scene, None).expect("two triangles");
         let options = Options {
             shading: ShadeModel::Flat,
             clamp: false,
             layers: false,
             isa: Isa::Scalar,
         };
-        let plan = Plan::new(&scene, &assembly, Model::Required);
-        let frame = plan.draw(&options).expect("drawn").0;
+        let plan = rasterizer(&scene, &assembly);
+        let frame = rasterize::<f64>(&plan, &options).expect("drawn").0;
         frame.primitive.data.iter().filter(|p| **p != NONE).count()
     };
     for depth in [1.0 + 1e-7, 1.0 + 1e-6, 1.0001, 1.001, 1.01] {

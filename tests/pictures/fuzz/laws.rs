@@ -2,16 +2,18 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use rastray::decompose::{Ladder, Options, decompose};
+use rastray::decompose::{Ladder, decompose};
 use rastray::error::Error;
 use rastray::frame::{Frame, Layers};
 use rastray::gl::ShadeModel;
 use rastray::lanes::{Isa, Real};
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Options, Rasterizer, Tracer};
 use rastray::scene::requirements::Model;
 use rastray::scene::{Geometry, Object, Projection, Scene, Shape};
 use rastray::{raster, trace};
 
+use crate::common::ladder::options;
+use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 use crate::common::scale::scaled;
 
 type Verdict = Result<(), TestCaseError>;
@@ -37,16 +39,16 @@ fn scales(scene: &Scene) -> Verdict {
         return Ok(()); // A profile is not made again from scaled points.
     }
     let draw = |scene: &Scene| {
-        let assembly = Assembly::<f64>::new(scene, Some(8)).expect("the ladder had one");
+        let assembly = assembled::<f64>(scene, Some(8)).expect("the ladder had one");
         let raster = raster::Options {
             shading: ShadeModel::Phong,
             clamp: false,
             layers: false,
             isa: Isa::detect(),
         };
-        let rasterized = raster::Plan::new(scene, &assembly, Model::Required).draw(&raster);
-        let traced = trace::Plan::new(scene, &assembly, trace::Geometry::Exact, Model::Required)
-            .and_then(|plan| plan.draw(&trace::Options::of(scene, Isa::detect())));
+        let rasterized = rasterize::<f64>(&rasterizer(scene, &assembly), &raster);
+        let traced = tracer(scene, &assembly, trace::Geometry::Exact)
+            .and_then(|plan| follow::<f64>(&plan, &trace::Options::of(scene, Isa::detect())));
         [
             rasterized.ok().map(|(f, _)| f.color),
             traced.ok().map(|(f, _)| f.color),
@@ -76,17 +78,14 @@ fn proper(error: &Error) -> Verdict {
 }
 
 /// Climbs the ladder; whether it could be climbed.
-fn ladder<R: Real>(scene: &Scene) -> Result<bool, TestCaseError> {
+fn ladder<R: Precise>(scene: &Scene) -> Result<bool, TestCaseError> {
     let climb = |isa, threads| {
         let options = Options {
             level: Some(8),
             isa,
-            model: Model::Required,
-            shadows: true,
-            reflection: true,
-            refraction: true,
+            ..options(R::PRECISION)
         };
-        in_threads(threads, || decompose::<R>(scene, &options, &|_| {}))
+        in_threads(threads, || decompose(scene, &options, &|_| {}))
     };
     let ladder = match climb(Isa::Scalar, 1) {
         Ok(ladder) => ladder,
@@ -116,7 +115,7 @@ fn ladder<R: Real>(scene: &Scene) -> Result<bool, TestCaseError> {
 /// spans more than 2^-14 of the distance, not through the longest lenses; and it is more than the 2^-22 of the depth within
 /// which surfaces tie where a plane that they share reaches far beyond the place. So f64 is held to the colours on
 /// these scenes, and tests/pictures/agreement.rs holds f32 to them on tamer ones.
-fn agrees<R: Real>(scene: &Scene, ladder: &Ladder) -> Verdict {
+fn agrees<R: Precise>(scene: &Scene, ladder: &Ladder) -> Verdict {
     let found = &ladder.agreement;
     let apart = found.coverage.raster_only + found.coverage.trace_only;
     let half = scene.camera.half_extent(1.0).y;
@@ -140,8 +139,8 @@ fn finite<R: Real>(layers: &Layers<R>) -> Verdict {
 }
 
 /// Every picture of both renderers: layers, and the features left out.
-fn pictures<R: Real>(scene: &Scene) -> Verdict {
-    let assembly = Assembly::<R>::new(scene, Some(8)).expect("the ladder had one");
+fn pictures<R: Precise>(scene: &Scene) -> Verdict {
+    let assembly = assembled::<R>(scene, Some(8)).expect("the ladder had one");
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
         let draw = |model, layers| {
             let options = raster::Options {
@@ -150,8 +149,8 @@ fn pictures<R: Real>(scene: &Scene) -> Verdict {
                 layers,
                 isa: Isa::detect(),
             };
-            let plan = raster::Plan::new(scene, &assembly, model);
-            plan.draw(&options).expect("drawn before").0
+            let plan = Rasterizer::new(scene, &assembly, model);
+            rasterize::<R>(&plan, &options).expect("drawn before").0
         };
         judge(draw, &format!("{shading:?}"))?;
     }
@@ -161,8 +160,8 @@ fn pictures<R: Real>(scene: &Scene) -> Verdict {
                 layers,
                 ..trace::Options::of(scene, Isa::detect())
             };
-            let plan = trace::Plan::new(scene, &assembly, geometry, model).expect("a plan");
-            plan.draw(&options)
+            let plan = Tracer::new(scene, &assembly, geometry, model).expect("a plan");
+            follow::<R>(&plan, &options)
         };
         // More rays may be needed on one geometry than on the other.
         if let Err(error) = draw(Model::Required, false) {

@@ -18,9 +18,9 @@ use proptest::prelude::ProptestConfig;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{RngSeed, TestRunner};
 use rastray::lanes::Isa;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
-use rastray::trace::{Geometry, Options, Plan};
+use rastray::trace::{Geometry, Options};
+
+use crate::common::precise::{assembled, follow, tracer};
 
 /// Few cases and a fixed seed, unless the environment asks for others.
 fn config(cases: u32) -> ProptestConfig {
@@ -58,9 +58,9 @@ fn random_scenes_are_worth_looking_at() {
             .new_tree(&mut runner)
             .expect("a scene")
             .current();
-        let assembly = Assembly::<f64>::new(&scene, Some(8)).expect("small");
-        let plan = Plan::new(&scene, &assembly, Geometry::Exact, Model::Required).expect("a plan");
-        let Ok((frame, counters)) = plan.draw(&Options::of(&scene, Isa::Scalar)) else {
+        let assembly = assembled::<f64>(&scene, Some(8)).expect("small");
+        let plan = tracer(&scene, &assembly, Geometry::Exact).expect("a plan");
+        let Ok((frame, counters)) = follow::<f64>(&plan, &Options::of(&scene, Isa::Scalar)) else {
             continue;
         };
         let rays = counters.rays;

@@ -5,21 +5,23 @@ use rastray::frame::Frame;
 use rastray::gl::{self, ShadeModel};
 use rastray::lanes::Isa;
 use rastray::math::{DAffine3, DVec3};
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Rasterizer, Tracer};
 use rastray::scene::requirements::{Feature, Mode, Requirements};
 use rastray::scene::{
     Geometry, Light, LightSpace, Material, Object, Optics, Projection, Scene, Shape,
 };
 use rastray::{raster, trace};
 
+use crate::common::precise::{assembled, follow, rasterize};
+
 /// One picture at a precision of f32, with requirements of the caller's. Normals are made unit by the assembly.
 pub(crate) fn draw(scene: &Scene, mode: Mode, needs: &Requirements) -> Frame<f32> {
-    let mut assembled = scene.clone();
-    assembled.light_model.normalize &= needs.has(Feature::Normalize);
-    let assembly = Assembly::<f32>::new(&assembled, Some(16)).expect("a small scene");
+    let mut lengths = scene.clone();
+    lengths.light_model.normalize &= needs.has(Feature::Normalize);
+    let assembly = assembled::<f32>(&lengths, Some(16)).expect("a small scene");
     let isa = Isa::detect();
     if mode == Mode::Raster {
-        let plan = raster::Plan::with_requirements(scene, &assembly, needs);
+        let plan = Rasterizer::with_requirements(scene, &assembly, needs);
         let (shading, clamp, layers) = (scene.raster.shading, false, false);
         let options = raster::Options {
             shading,
@@ -27,14 +29,13 @@ pub(crate) fn draw(scene: &Scene, mode: Mode, needs: &Requirements) -> Frame<f32
             layers,
             isa,
         };
-        return plan.draw(&options).expect("drawn").0;
+        return rasterize(&plan, &options).expect("drawn").0;
     }
     let geometry = trace::Geometry::Exact;
-    let plan = trace::Plan::with_requirements(scene, &assembly, geometry, needs.clone());
+    let plan = Tracer::with_requirements(scene, &assembly, geometry, needs.clone());
     let plan = plan.expect("a picture with pixels");
-    plan.draw(&trace::Options::of(scene, isa))
-        .expect("traced")
-        .0
+    let drawn = follow(&plan, &trace::Options::of(scene, isa));
+    drawn.expect("traced").0
 }
 
 pub(crate) fn bits(frame: &Frame<f32>) -> Vec<u32> {

@@ -6,10 +6,12 @@ use rastray::gl::{self, ShadeModel};
 use rastray::import::{LoadOptions, load, shipped};
 use rastray::lanes::{Isa, Real};
 use rastray::math::color::Rgb;
-use rastray::scene::assembly::Assembly;
+use rastray::render::{Rasterizer, Tracer};
 use rastray::scene::requirements::{Feature, Mode, Model, Requirements};
 use rastray::scene::{LightSpace, Scene};
 use rastray::{raster, trace};
+
+use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 
 fn shipped_scene(name: &str, width: u32, height: u32) -> Scene {
     let imported = load(name, &LoadOptions::default()).expect("a shipped scene loads");
@@ -43,9 +45,9 @@ fn bits<R: Real>(frame: &rastray::frame::Frame<R>) -> Vec<u64> {
     numbers.map(|x| x.to_f64().to_bits()).collect()
 }
 
-fn rasterize<R: Real>(scene: &Scene, model: Model, shading: ShadeModel, layers: bool) -> Drawn {
-    let assembly = Assembly::<R>::new(scene, Some(16)).expect("assembled");
-    let plan = raster::Plan::new(scene, &assembly, model);
+fn rasterized<R: Precise>(scene: &Scene, model: Model, shading: ShadeModel, layers: bool) -> Drawn {
+    let assembly = assembled::<R>(scene, Some(16)).expect("assembled");
+    let plan = Rasterizer::new(scene, &assembly, model);
     let (clamp, isa) = (true, Isa::detect());
     let options = raster::Options {
         shading,
@@ -53,21 +55,21 @@ fn rasterize<R: Real>(scene: &Scene, model: Model, shading: ShadeModel, layers: 
         layers,
         isa,
     };
-    let (frame, counters) = plan.draw(&options).expect("drawn");
+    let (frame, counters) = rasterize::<R>(&plan, &options).expect("drawn");
     Drawn {
         bits: bits(&frame),
         work: Work::Raster(counters),
     }
 }
 
-fn traced<R: Real>(scene: &Scene, model: Model, layers: bool) -> Drawn {
-    let assembly = Assembly::<R>::new(scene, Some(16)).expect("assembled");
-    let plan = trace::Plan::new(scene, &assembly, trace::Geometry::Exact, model).expect("planned");
+fn traced<R: Precise>(scene: &Scene, model: Model, layers: bool) -> Drawn {
+    let assembly = assembled::<R>(scene, Some(16)).expect("assembled");
+    let plan = Tracer::new(scene, &assembly, trace::Geometry::Exact, model).expect("planned");
     let options = trace::Options {
         layers,
         ..trace::Options::of(scene, Isa::detect())
     };
-    let (frame, counters) = plan.draw(&options).expect("traced");
+    let (frame, counters) = follow::<R>(&plan, &options).expect("traced");
     Drawn {
         bits: bits(&frame),
         work: Work::Trace(counters),
@@ -75,10 +77,10 @@ fn traced<R: Real>(scene: &Scene, model: Model, layers: bool) -> Drawn {
 }
 
 /// Every picture of a scene under both models.
-fn identical<R: Real>(scene: &Scene, layers: bool) {
+fn identical<R: Precise>(scene: &Scene, layers: bool) {
     for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
         let [a, b] =
-            [Model::Required, Model::Full].map(|m| rasterize::<R>(scene, m, shading, layers));
+            [Model::Required, Model::Full].map(|m| rasterized::<R>(scene, m, shading, layers));
         assert!(a.bits == b.bits, "{}: {shading:?}", scene.name);
         a.work.at_most(&b.work);
     }
@@ -181,7 +183,7 @@ fn recolored(mut scene: Scene, change: impl Fn(&mut gl::Material)) -> Scene {
 
 /// Work of per-fragment rasterizing and of tracing.
 fn both(scene: &Scene) -> [Work; 2] {
-    let raster = rasterize::<f32>(scene, Model::Required, ShadeModel::Phong, false);
+    let raster = rasterized::<f32>(scene, Model::Required, ShadeModel::Phong, false);
     [
         raster.work,
         traced::<f32>(scene, Model::Required, false).work,
@@ -259,7 +261,7 @@ fn directional_lights_take_no_square_roots() {
 #[test]
 fn counters_are_points_times_lights() {
     let scene = shipped_scene("two-sided", 40, 30);
-    let Drawn { work, .. } = rasterize::<f32>(&scene, Model::Required, ShadeModel::Phong, false);
+    let Drawn { work, .. } = rasterized::<f32>(&scene, Model::Required, ShadeModel::Phong, false);
     let Work::Raster(counters) = work else {
         unreachable!("rasterized")
     };
@@ -315,27 +317,20 @@ fn features_off_cost_nothing() {
 #[test]
 fn counters_do_not_depend_on_the_instruction_set() {
     let scene = shipped_scene("lights", 40, 30);
-    let assembly = Assembly::<f32>::new(&scene, Some(16)).expect("assembled");
-    let raster = raster::Plan::new(&scene, &assembly, Model::Required);
-    let trace = trace::Plan::new(&scene, &assembly, trace::Geometry::Exact, Model::Required)
-        .expect("planned");
+    let assembly = assembled::<f32>(&scene, Some(16)).expect("assembled");
+    let raster = rasterizer(&scene, &assembly);
+    let trace = tracer(&scene, &assembly, trace::Geometry::Exact).expect("planned");
     let count = |isa| {
         let (shading, clamp, layers) = (ShadeModel::Phong, false, false);
-        let drawn = raster
-            .draw(&raster::Options {
-                shading,
-                clamp,
-                layers,
-                isa,
-            })
-            .expect("drawn");
-        (
-            drawn.1,
-            trace
-                .draw(&trace::Options::of(&scene, isa))
-                .expect("traced")
-                .1,
-        )
+        let options = raster::Options {
+            shading,
+            clamp,
+            layers,
+            isa,
+        };
+        let drawn = rasterize::<f32>(&raster, &options).expect("drawn");
+        let traced = follow::<f32>(&trace, &trace::Options::of(&scene, isa));
+        (drawn.1, traced.expect("traced").1)
     };
     let expected = count(Isa::Scalar);
     assert!(Requirements::of(&scene, Mode::Trace).has(Feature::SpotPow));

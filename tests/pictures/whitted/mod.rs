@@ -19,14 +19,13 @@ mod media;
 mod mirrors;
 mod shares;
 
+use crate::common::precise::{Precise, assembled, follow, tracer};
 use crate::common::{scale, text};
 use rastray::frame::Frame;
-use rastray::lanes::{Isa, Real};
+use rastray::lanes::Isa;
 use rastray::math::DVec3;
 use rastray::scene::Scene;
-use rastray::scene::assembly::Assembly;
-use rastray::scene::requirements::Model;
-use rastray::trace::{Geometry, Options, Plan};
+use rastray::trace::{Geometry, Options};
 
 /// Every scene is drawn at each of these.
 const SCALES: [f64; 3] = [1e-3, 1.0, 1e3];
@@ -126,14 +125,14 @@ fn stage(text: &str, k: f64) -> Scene {
     scale::scaled(&imported.scene, k)
 }
 
-fn draw<R: Real>(scene: &Scene, geometry: Geometry, layers: bool) -> Frame<R> {
+fn draw<R: Precise>(scene: &Scene, geometry: Geometry, layers: bool) -> Frame<R> {
     let options = Options {
         layers,
         ..Options::of(scene, Isa::Scalar)
     };
-    let assembly = Assembly::<R>::new(scene, None).expect("a small scene");
-    let plan = Plan::new(scene, &assembly, geometry, Model::Required).expect("a plan");
-    plan.draw(&options).expect("a picture").0
+    let assembly = assembled::<R>(scene, None).expect("a small scene");
+    let plan = tracer(scene, &assembly, geometry).expect("a plan");
+    follow(&plan, &options).expect("a picture").0
 }
 
 /// The one pixel's colour, on the true shapes, in f64.

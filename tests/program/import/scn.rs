@@ -1,11 +1,12 @@
 //! Princeton's .scn: a scene number by number, the meshes beside it, damaged files, and the course's own scenes.
 
-use rastray::decompose::{Ladder, Options, decompose};
+use rastray::decompose::Ladder;
 use rastray::gl::SpecularModel;
-use rastray::lanes::Isa;
 use rastray::math::{DVec2, DVec3};
-use rastray::scene::requirements::Model;
+use rastray::render::Options;
 use rastray::scene::{Geometry, Projection, Scene, Shape};
+
+use crate::common::ladder;
 
 use super::{failure, load_files, load_text, load_with, mesh_of, notes};
 
@@ -606,13 +607,5 @@ fn the_courses_scenes_are_drawn() {
 }
 
 fn climb(scene: &Scene) -> Ladder {
-    let options = Options {
-        level: None,
-        isa: Isa::detect(),
-        model: Model::Required,
-        shadows: true,
-        reflection: true,
-        refraction: true,
-    };
-    decompose::<f32>(scene, &options, &|_| {}).unwrap()
+    ladder::climb(scene, &Options::default())
 }

@@ -1,26 +1,18 @@
 //! `rastray diff` as a user meets it: what it says, writes and returns.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 
-fn rastray(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rastray"))
-        .current_dir(folder)
-        .args(args)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the program starts")
-}
+use crate::common::program::{rastray, text};
 
 /// Runs and returns what it said on standard output.
 fn run(folder: &Path, args: &[&str], code: i32) -> String {
     let output = rastray(folder, args);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {said}");
     assert!(!said.contains("panicked"), "{said}");
-    let out = String::from_utf8_lossy(&output.stdout).into_owned();
+    let out = text(&output.stdout);
     if code == 2 { said } else { out }
 }
 
@@ -64,7 +56,7 @@ fn thresholds_decide_the_exit_code() {
         let tight = (found + 1e-6 * worse).to_string();
         let output = rastray(at, &["diff", "a.png", "b.png", flag, &tight]);
         assert_eq!(output.status.code(), Some(1), "{flag}");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = text(&output.stderr);
         assert!(said.contains(flag) && said.contains(&exact), "{said}");
     }
     // The same picture passes everything, and says that it is the same.

@@ -4,9 +4,10 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
 use exr::prelude::*;
+
+use crate::common::program::rastray;
 
 type Values = Vec<f32>;
 
@@ -40,21 +41,9 @@ fn channels(path: &Path) -> (BTreeMap<String, Values>, String) {
 fn layers_are_named_as_other_programs_group_them_and_add_up() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("out");
-    let status = Command::new(env!("CARGO_BIN_EXE_rastray"))
-        .args([
-            "compare",
-            "whitted",
-            "-q",
-            "--size",
-            "48x36",
-            "--shading",
-            "phong",
-            "-o",
-        ])
-        .arg(&out)
-        .status()
-        .expect("the program starts");
-    assert!(status.success());
+    let args = "compare whitted -q --size 48x36 --shading phong -o out";
+    let args: Vec<&str> = args.split(' ').collect();
+    assert!(rastray(folder.path(), &args).status.success());
     let (channels, comments) = channels(&out.join("layers.exr"));
     let own = order(&comments);
     let lights = ["ambient", "diffuse", "specular"];
