@@ -68,6 +68,19 @@ pub(super) fn measure(
             &cast.to_f64(),
         ));
     }
+    drawn(scene, assembled, options)
+}
+
+/// The agreement of a scene alone, without its ladder: draws rungs 3 and 4 with one sample, without blending.
+///
+/// # Errors
+/// What the renderers refuse.
+pub fn agreement(scene: &Scene, options: &Options) -> Result<Agreement, Error> {
+    let assembled = Assembled::new(scene, options.level, options.precision)?;
+    drawn(scene, &assembled, options)
+}
+
+fn drawn(scene: &Scene, assembled: &Assembled, options: &Options) -> Result<Agreement, Error> {
     let mut single = scene.clone();
     single.image.samples = 1;
     single.image.pattern = crate::sampling::Pattern::Grid;

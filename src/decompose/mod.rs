@@ -26,7 +26,7 @@ mod agreement;
 mod masks;
 mod views;
 
-pub use agreement::{Agreement, Coverage};
+pub use agreement::{Agreement, Coverage, agreement};
 pub use masks::silhouette;
 pub use views::{Shaded, Views, views};
 

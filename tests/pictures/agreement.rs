@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use rastray::decompose::Agreement;
+use rastray::decompose::{self, Agreement};
 use rastray::frame::{Frame, NONE};
 use rastray::gl::{self, LightSource, ShadeModel, SpecularModel};
 use rastray::import::{LoadOptions, load, shipped};
@@ -17,7 +17,7 @@ use rastray::scene::{
 };
 use rastray::{raster, trace};
 
-use crate::common::ladder::{climb, options};
+use crate::common::ladder::options;
 use crate::common::precise::{Precise, assembled, follow, rasterize, rasterizer, tracer};
 
 // ---- drawing ------------------------------------------------------------------------------------------------------
@@ -47,12 +47,9 @@ fn traced<R: Precise>(
 fn agreement(scene: &Scene, level: Option<u32>, precision: Precision) -> Agreement {
     let options = Options {
         level,
-        shadows: false,
-        reflection: false,
-        refraction: false,
         ..options(precision)
     };
-    climb(scene, &options).agreement
+    decompose::agreement(scene, &options).expect("drawn")
 }
 
 fn material(front: gl::Material) -> Material {
@@ -385,7 +382,7 @@ fn exact_coverage_is_the_tracers() {
     for shipped in shipped() {
         let imported = load(shipped.name, &LoadOptions::default()).expect("a shipped scene loads");
         let mut scene = imported.scene;
-        (scene.image.width, scene.image.height) = (420, 320);
+        (scene.image.width, scene.image.height) = (200, 150);
         scene.image.samples = 1;
         scene.raster.snap = Snap::Exact;
         let cast = trace::Options::cast(Isa::detect());

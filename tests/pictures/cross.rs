@@ -3,10 +3,12 @@
 //! On every shipped scene: the causes sum to the total difference with residual 0; rungs 3 and 4 agree as the ladder
 //! promises; layers add up to the pictures bit for bit; thread count and instruction set change no byte.
 
-use rastray::decompose::CAUSES;
+use rastray::decompose::{CAUSES, Ladder, agreement};
+use std::sync::OnceLock;
+
 use rastray::frame::{Frame, Layers, Plane};
 use rastray::gl::ShadeModel;
-use rastray::import::shipped;
+use rastray::import::{Shipped, shipped};
 use rastray::lanes::{Isa, Real};
 use rastray::render::{Options, Precision};
 use rastray::scene::Scene;
@@ -24,19 +26,48 @@ fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
         .install(work)
 }
 
+/// Size of the shared ladders: several tiles in every renderer.
+const SIZE: [u32; 2] = [96, 72];
+
+/// The ladders of all shipped scenes in f32, climbed once for all tests.
+fn ladders() -> &'static [(&'static str, Ladder)] {
+    static LADDERS: OnceLock<Vec<(&str, Ladder)>> = OnceLock::new();
+    LADDERS.get_or_init(|| {
+        let ladder = |s: &Shipped| {
+            (
+                s.name,
+                climb(&scene(s.name, SIZE, &[]), &Options::default()),
+            )
+        };
+        shipped().iter().map(ladder).collect()
+    })
+}
+
 #[test]
 fn causes_sum_to_the_total_on_every_shipped_scene() {
-    for shipped in shipped() {
-        let ladder = climb(&scene(shipped.name, [200, 150], &[]), &Options::default());
-        assert_eq!(ladder.residual_max, 0.0, "{}", shipped.name);
-        assert_eq!(ladder.limited_pixels, 0, "{}", shipped.name);
+    for (name, ladder) in ladders() {
+        assert_eq!(ladder.residual_max, 0.0, "{name}");
+        assert_eq!(ladder.limited_pixels, 0, "{name}");
         assert_eq!(ladder.rungs.len(), CAUSES.len() + 1);
         let total: f64 = ladder.total().data.iter().flatten().map(|x| x.abs()).sum();
-        assert!(
-            total > 0.0,
-            "{}: the two pictures are the same",
-            shipped.name
-        );
+        assert!(total > 0.0, "{name}: the two pictures are the same");
+    }
+}
+
+/// The agreement that is drawn alone is the ladder's, also where samples or blending make both draw anew.
+#[test]
+fn the_agreement_alone_is_that_of_the_ladder() {
+    for sets in [
+        &[][..],
+        &["image.samples=4"],
+        &["raster.transparency=\"blend\""],
+    ] {
+        for precision in Precision::ALL {
+            let (scene, options) = (scene("16-transparency", [48, 36], sets), options(precision));
+            let alone = agreement(&scene, &options).expect("drawn");
+            assert_eq!(climb(&scene, &options).agreement, alone, "{sets:?}");
+            assert!(alone.coverage.both > 100, "{alone:?}");
+        }
     }
 }
 
@@ -45,7 +76,7 @@ fn raster_and_cast_agree_on_every_shipped_scene() {
     for shipped in shipped() {
         let scene = scene(shipped.name, [320, 240], &[]);
         for precision in Precision::ALL {
-            let agreement = climb(&scene, &options(precision)).agreement;
+            let agreement = agreement(&scene, &options(precision)).expect("drawn");
             println!("{}: {agreement:?}", shipped.name);
             assert!(
                 agreement.interior_max <= 1e-5,
@@ -75,23 +106,43 @@ fn assert_layers_sum<R: Real>(layers: &Layers<R>, color: &Plane<[R; 3]>, what: &
     }
 }
 
-fn draw_raster<R: Precise>(scene: &Scene, options: &raster::Options) -> Frame<R> {
-    let assembly = assembled::<R>(scene, None).expect("an assembly");
+/// Every picture of a scene, with layers, and whether the picture without them is the same: three shadings, and traced.
+fn with_layers<R: Precise>(scene: &Scene) -> Vec<(String, Frame<R>, bool)> {
+    let (assembly, isa) = (assembled::<R>(scene, None), Isa::detect());
+    let assembly = assembly.expect("an assembly");
     let plan = rasterizer(scene, &assembly);
-    rasterize(&plan, options).expect("a picture").0
-}
-
-fn draw_trace<R: Precise>(scene: &Scene, options: &trace::Options) -> Frame<R> {
-    let assembly = assembled::<R>(scene, None).expect("an assembly");
+    let mut pictures = Vec::new();
+    for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
+        let [frame, without] = [true, false].map(|layers| {
+            let options = raster::Options {
+                shading,
+                clamp: false,
+                layers,
+                isa,
+            };
+            rasterize::<R>(&plan, &options).expect("a picture").0
+        });
+        let same = frame.color == without.color;
+        pictures.push((format!("{shading:?}"), frame, same));
+    }
     let plan = tracer(scene, &assembly, trace::Geometry::Exact).expect("a plan");
-    follow(&plan, options).expect("a picture").0
+    let [frame, without] = [true, false].map(|layers| {
+        let options = trace::Options {
+            layers,
+            ..trace::Options::of(scene, isa)
+        };
+        follow::<R>(&plan, &options).expect("a picture").0
+    });
+    let same = frame.color == without.color;
+    pictures.push(("traced".to_owned(), frame, same));
+    pictures
 }
 
 #[test]
 fn layers_add_up_bit_for_bit() {
     for shipped in shipped() {
         for samples in [1, 4] {
-            let mut scene = scene(shipped.name, [96, 72], &[]);
+            let mut scene = scene(shipped.name, [72, 54], &[]);
             scene.image.samples = samples;
             layers_of::<f32>(&scene, shipped.name);
             layers_of::<f64>(&scene, shipped.name);
@@ -100,54 +151,16 @@ fn layers_add_up_bit_for_bit() {
 }
 
 fn layers_of<R: Precise>(scene: &Scene, name: &str) {
-    let isa = Isa::detect();
-    for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
-        let options = raster::Options {
-            shading,
-            clamp: false,
-            layers: true,
-            isa,
-        };
-        let frame = draw_raster::<R>(scene, &options);
+    for (what, frame, same) in with_layers::<R>(scene) {
+        assert!(same, "{name}: Sum and Record differ, {what}");
         let layers = frame.layers.as_ref().expect("layers were asked for");
-        assert_layers_sum(layers, &frame.color, &format!("{name}, {shading:?}"));
-        let without = draw_raster::<R>(
-            scene,
-            &raster::Options {
-                layers: false,
-                ..options
-            },
-        );
-        assert_eq!(
-            without.color, frame.color,
-            "{name}: Sum and Record differ, {shading:?}"
-        );
+        assert_layers_sum(layers, &frame.color, &format!("{name}, {what}"));
         let remainder = layers.planes.last().expect("a remainder layer");
-        if shading == ShadeModel::Phong && scene.image.samples == 1 {
-            assert!(
-                remainder.data.iter().flatten().all(|x| *x == R::ZERO),
-                "{name}"
-            );
+        if what == "Phong" && scene.image.samples == 1 {
+            let mut rest = remainder.data.iter().flatten();
+            assert!(rest.all(|x| *x == R::ZERO), "{name}");
         }
     }
-    let options = trace::Options {
-        layers: true,
-        ..trace::Options::of(scene, isa)
-    };
-    let frame = draw_trace::<R>(scene, &options);
-    let layers = frame.layers.as_ref().expect("layers were asked for");
-    assert_layers_sum(layers, &frame.color, &format!("{name}, traced"));
-    let without = draw_trace::<R>(
-        scene,
-        &trace::Options {
-            layers: false,
-            ..options
-        },
-    );
-    assert_eq!(
-        without.color, frame.color,
-        "{name}: Sum and Record differ, traced"
-    );
 }
 
 /// A light that takes light away: sums of both signs, in every shading and with several samples.
@@ -163,21 +176,9 @@ fn layers_add_up_where_colours_are_negative() {
 }
 
 fn signed_layers_of<R: Precise>(scene: &Scene) {
-    let isa = Isa::detect();
-    for shading in [ShadeModel::Flat, ShadeModel::Gouraud, ShadeModel::Phong] {
-        let options = raster::Options {
-            shading,
-            clamp: false,
-            layers: true,
-            isa,
-        };
-        assert_signed_sum(&draw_raster::<R>(scene, &options));
+    for (_, frame, _) in with_layers::<R>(scene) {
+        assert_signed_sum(&frame);
     }
-    let options = trace::Options {
-        layers: true,
-        ..trace::Options::of(scene, isa)
-    };
-    assert_signed_sum(&draw_trace::<R>(scene, &options));
 }
 
 /// Bit for bit wherever the picture is larger than its remainder; else within the remainder's own rounding.
@@ -214,25 +215,19 @@ fn causes_are_explained_in_ladder_order() {
 
 #[test]
 fn threads_and_instruction_sets_change_no_byte() {
-    for shipped in shipped() {
-        let scene = scene(shipped.name, [128, 96], &[]);
-        let on = |isa| Options {
-            isa,
-            ..Options::default()
-        };
-        let reference = in_threads(1, || climb(&scene, &on(Isa::Scalar))).rungs;
-        for (threads, isa) in [(2, Isa::Scalar), (8, Isa::Scalar)]
-            .into_iter()
-            .chain(Isa::available().into_iter().map(|isa| (2, isa)))
-        {
-            let rungs = in_threads(threads, || climb(&scene, &on(isa))).rungs;
-            for (rung, (a, b)) in reference.iter().zip(&rungs).enumerate() {
-                let name = isa.name();
-                assert!(
-                    a == b,
-                    "{}: rung {rung}, {threads} threads, {name}",
-                    shipped.name
-                );
+    let sets = Isa::available().into_iter().map(|isa| (2, isa));
+    let ways: Vec<(usize, Isa)> = sets.chain([(1, Isa::Scalar), (8, Isa::Scalar)]).collect();
+    for (name, reference) in ladders() {
+        let scene = scene(name, SIZE, &[]);
+        for &(threads, isa) in &ways {
+            let options = Options {
+                isa,
+                ..Options::default()
+            };
+            let ladder = in_threads(threads, || climb(&scene, &options));
+            for (rung, (a, b)) in reference.rungs.iter().zip(&ladder.rungs).enumerate() {
+                let set = isa.name();
+                assert!(a == b, "{name}: rung {rung}, {threads} threads, {set}");
             }
         }
     }

@@ -866,21 +866,33 @@ fn visibility_agrees_with_brute_force_rays() {
     let all = all + counters.triangles_degenerate + counters.triangles_drawn;
     assert_eq!(counters.triangles_in, all);
     let edges = plan.near_edge(&frame.primitive, 0.01);
+    let corners = assembly.triangles().iter();
+    let corners = corners.map(|t| t.map(|v| DVec3::from_array(assembly.vertex_eye(v))));
+    let corners: Vec<_> = corners.collect();
+    // What the ray of each pixel meets first.
+    let nearest = |x: usize, y: usize| {
+        let place = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let (o, d) = scene.camera.primary_ray(place, 150, 130);
+        let mut best = (f64::INFINITY, NONE);
+        for (i, points) in corners.iter().enumerate() {
+            let (b, t) = meet(*points, o, d);
+            if b.iter().all(|b| *b >= 0.0) && t >= scene.camera.near && t < best.0 {
+                best = (t, i as u32);
+            }
+        }
+        best
+    };
+    let pixels = (0..130).flat_map(|y| (0..150).map(move |x| (x, y)));
+    let met = Plane {
+        width: 150,
+        height: 130,
+        data: pixels.map(|(x, y)| nearest(x, y)).collect(),
+    };
+    let near_other = plan.near_edge(&met.map(|(_, i)| *i), 0.01);
     let (mut compared, mut apart) = (0, 0);
     for y in 0..130 {
         for x in 0..150 {
-            let place = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            let (o, d) = scene.camera.primary_ray(place, 150, 130);
-            let mut best = (f64::INFINITY, NONE);
-            for (i, t) in assembly.triangles().iter().enumerate() {
-                let points = t.map(|v| DVec3::from_array(assembly.vertex_eye(v)));
-                let (b, t) = meet(points, o, d);
-                if b.iter().all(|b| *b >= 0.0) && t >= scene.camera.near && t < best.0 {
-                    best = (t, i as u32);
-                }
-            }
-            let got = *frame.primitive.at(x, y);
-            let near_other = plan.near_edge(&Plane::filled(150, 130, best.1), 0.01);
+            let (best, got) = (*met.at(x, y), *frame.primitive.at(x, y));
             if *edges.at(x, y) || (best.1 != NONE && got != best.1 && *near_other.at(x, y)) {
                 apart += 1;
                 continue;

@@ -45,9 +45,17 @@ fn load(source: Source, sets: &[&str], size: [usize; 2]) -> Scene {
     }
 }
 
+/// How everything here is rendered: most of the time goes into pictures of meshes, which need not be fine.
+fn rendered() -> render::Options {
+    render::Options {
+        level: Some(24),
+        ..render::Options::default()
+    }
+}
+
 /// A right picture, clamped where GL clamps.
 fn draw(scene: &Scene, mode: Mode, layers: bool) -> (Values, Option<frame::Layers<f32>>) {
-    let mut job = Job::new(scene, mode.renderer());
+    let mut job = Job::with(scene, mode.renderer(), &rendered());
     job.shading = mode.shading().unwrap_or(job.shading);
     job.clamp = !layers;
     job.layers = layers;
@@ -70,7 +78,7 @@ fn given(color: Values) -> Given {
 fn options(modes: &[Mode]) -> Options {
     Options {
         modes: modes.to_vec(),
-        render: render::Options::default(),
+        render: rendered(),
         srgb: false,
     }
 }
@@ -887,10 +895,13 @@ fn through_jpeg(picture: &Values, quality: u8) -> Given {
     Given::from(file.expect("a JPEG"))
 }
 
+/// Above the first pass's size.
+const JPEG_SIZE: [usize; 2] = [192, 144];
+
 /// With red and yellow tiles halved chroma leaves much, which follows the picture: no mistake may feed on it.
 #[test]
 fn what_jpeg_leaves_is_no_mistake() {
-    let scene = load(WHITTED, &[], [320, 240]);
+    let scene = load(WHITTED, &[], JPEG_SIZE);
     let right = eight_bits(&draw(&scene, Trace, false).0);
     for quality in [75, 90, 95] {
         let picture = through_jpeg(&right, quality);
@@ -918,8 +929,8 @@ fn jpeg_hides_no_mistake_that_is_larger_than_what_it_leaves() {
             "spot-angle-doubled",
         ),
     ] {
-        let scene = load(Source::Shipped(name), &[], [320, 240]);
-        let wrong = load(Source::Shipped(name), &[set], [320, 240]);
+        let scene = load(Source::Shipped(name), &[], JPEG_SIZE);
+        let wrong = load(Source::Shipped(name), &[set], JPEG_SIZE);
         let picture = through_jpeg(&eight_bits(&draw(&wrong, mode, false).0), 75);
         let report = judge(&scene, &picture, &[mode]);
         assert_eq!(report.verdict, Verdict::Mistake, "{name}");
@@ -1056,7 +1067,7 @@ fn right_pictures_are_right_and_unrelated_ones_unexplained() {
 /// Pictures above the first pass's size take the same answer in two steps, and the telling pixels are their own.
 #[test]
 fn large_pictures_are_judged_in_two_steps() {
-    let size = [241, 171];
+    let size = [169, 121];
     let scene = load(WHITTED, &[], size);
     let wrong = load(WHITTED, &["material.glass.ior=0.6666666666666666"], size);
     let picture = eight_bits(&draw(&wrong, Trace, false).0);
@@ -1099,8 +1110,8 @@ fn plans_that_are_relit_draw_what_new_ones_draw() {
         &["light.sun.diffuse=0.2", "material.glass.shininess=3"],
         size,
     );
-    let asked = render::Options::default();
-    let assembled = Assembled::new(&scene, None, asked.precision).expect("few triangles");
+    let asked = rendered();
+    let assembled = Assembled::new(&scene, asked.level, asked.precision).expect("few triangles");
     let plan =
         render::Tracer::new(&scene, &assembled, asked.geometry, asked.model).expect("a plan");
     let relit = plan.relit(&other).with_faults(trace::Faults::default());
