@@ -5,22 +5,22 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use rastray::error::{Error, Note};
+use rastray::error::Error;
 use rastray::frame::Plane;
 use rastray::import::Imported;
 use rastray::lanes::Isa;
 use rastray::report::files::{self, View};
 use rastray::report::origin::{quoted, sets};
 use rastray::report::trade::TradeReport;
+use rastray::report::trade::notes::{found_note, left_note, settings};
 use rastray::sampling::MAX_SAMPLES;
 use rastray::scene::Scene;
 use rastray::trade::choose::shrunk;
 use rastray::trade::draw::Ready;
 use rastray::trade::finding::{Trade, find};
-use rastray::trade::journal::{Found, Journal};
+use rastray::trade::journal::Journal;
 use rastray::trade::run::{Options, Outcome, run};
-use rastray::trade::timing::ROUNDS;
-use rastray::trade::truth::{End, IDEAL_SAMPLES, Truth};
+use rastray::trade::truth::{IDEAL_SAMPLES, Truth};
 
 use super::args::SceneArgs;
 use super::options::{Verbosity, parse_size};
@@ -206,42 +206,6 @@ fn measured(
     Ok((report, outcome))
 }
 
-/// What the state of the journal means for the reader.
-fn found_note(found: Found, folder: &Path) -> Option<Note> {
-    let message = match found {
-        Found::Nothing | Found::Same(0) => return None,
-        Found::Same(n) => format!(
-            "{n} settings were measured by earlier runs, kept in {}",
-            folder.display()
-        ),
-        Found::Other => format!(
-            "{} held measurements of another scene, size, version or instruction set: they are gone, and this run starts again",
-            folder.display()
-        ),
-    };
-    Some(Note {
-        place: None,
-        message,
-    })
-}
-
-/// What the truth itself leaves out.
-fn left_note(end: &End) -> Option<Note> {
-    let left = end.weight_left?;
-    let weight = if left < 1.0 {
-        format!("the next would weigh up to {left:.1e}")
-    } else {
-        "surfaces pass on all light, so what is left then has no bound".to_owned()
-    };
-    Some(Note {
-        place: None,
-        message: format!(
-            "the truth follows {} generations of rays; {weight}, and smaller errors than that say little",
-            end.depth
-        ),
-    })
-}
-
 /// The picture of each answer.
 fn pictures(
     scene: &Scene,
@@ -270,36 +234,6 @@ fn pictures(
 
 fn to_f32(plane: &Plane<[f64; 3]>) -> Plane<[f32; 3]> {
     plane.map(|c| c.map(|x| x as f32))
-}
-
-fn settings(
-    scene: &Scene,
-    options: &Options,
-    outcome: &Outcome,
-    depth: u32,
-) -> Vec<(String, String)> {
-    let image = &scene.image;
-    let [asked, complete] = outcome.timed;
-    let times = if options.times {
-        format!(
-            "{} s; times of {asked} settings; {complete} of them have all {ROUNDS} rounds yet",
-            options.budget.as_secs_f64()
-        )
-    } else {
-        format!("{} s; no times", options.budget.as_secs_f64())
-    };
-    let pairs = [
-        ("size", format!("{} × {}", image.width, image.height)),
-        ("budget", times),
-        (
-            "truth",
-            format!(
-                "exact shapes, f64, rays of weight 10⁻⁷ and more, at most {depth} generations of them"
-            ),
-        ),
-        ("instruction set", options.isa.name().to_owned()),
-    ];
-    pairs.map(|(name, value)| (name.to_owned(), value)).to_vec()
 }
 
 /// Tells the result.

@@ -73,9 +73,9 @@ pub fn settings(scene: &Scene, options: &Options) -> Vec<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::process::Command;
 
     /// Words with everything that a shell could see in them.
+    #[cfg(unix)]
     const WORDS: [&str; 10] = [
         "whitted",
         "",
@@ -102,7 +102,9 @@ mod tests {
     fn a_shell_reads_every_word_back() {
         for word in WORDS {
             let script = format!("printf %s {}", quoted(word));
-            let out = Command::new("sh").args(["-c", &script]).output();
+            let out = std::process::Command::new("sh")
+                .args(["-c", &script])
+                .output();
             assert_eq!(
                 out.expect("a POSIX shell").stdout,
                 word.as_bytes(),

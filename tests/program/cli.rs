@@ -821,3 +821,30 @@ fn the_contact_sheet_holds_all_scenes() {
     );
     assert_eq!(names(folder.path()), ["a.png"]);
 }
+
+/// Names of files are bytes on Unix; the command line that a page shows is text.
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_unicode_does_not_stop_a_page() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder();
+    let at = folder.path();
+    let small = ["--size", "8x6", "-o", "a.png"];
+    ok(at, &[&["render", "two-sided"], &small[..]].concat());
+    for words in [
+        &["diff", "a.png", "a.png"][..],
+        &["compare", "two-sided", "--size", "8x6"],
+    ] {
+        let name = std::ffi::OsStr::from_bytes(b"out\xff");
+        let output = Command::new(env!("CARGO_BIN_EXE_rastray"))
+            .current_dir(at)
+            .args(words)
+            .arg("-o")
+            .arg(name)
+            .output()
+            .expect("the program starts");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let page = std::fs::read_to_string(at.join(name).join("index.html")).expect("a page");
+        assert!(page.contains("-o 'out\u{fffd}'"), "{words:?}");
+    }
+}

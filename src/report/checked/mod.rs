@@ -164,3 +164,31 @@ fn panel<'a>(picture: &'a Picture, title: &'a str, note: &'a str) -> Panel<'a> {
         note,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_that_explains_a_pixel_can_be_typed() {
+        let sets = ["light.key.position=[1,2,3]".to_owned()];
+        let asked = Asked {
+            image: Path::new("mine.png"),
+            scene: "it's mine.toml",
+            sets: &sets,
+            mode: false,
+            shading: false,
+        };
+        let told = Telling {
+            x: 3,
+            y: 4,
+            given: [0.0; 3],
+            mistaken: [0.0; 3],
+            right: [1.0; 3],
+        };
+        assert_eq!(
+            asked.explain([64, 48], &told),
+            r"rastray explain 'it'\''s mine.toml' 3 4 --size 64x48 --set 'light.key.position=[1,2,3]'"
+        );
+    }
+}

@@ -4,6 +4,7 @@
 //! light or dark with the reader's system.
 
 mod charts;
+pub mod notes;
 mod page;
 mod plot;
 mod table;
