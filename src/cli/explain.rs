@@ -23,7 +23,8 @@ pub(super) const EXAMPLES: &str = "Examples:
   rastray explain lights 320 300 --shading phong --json
   rastray explain 18-total-reflection 60 70 --size 320x240 --set trace.tir=\"reflect\"
 
-X and Y count from the top left. The text on a terminal has colours; -v gives every ray of a large tree a line.";
+X and Y count from the top left. The text on a terminal has colours; -v gives every ray of a large tree a line.
+The equation itself, thirty lines to read beside the specification: src/lighting/plain.rs.";
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {

@@ -9,6 +9,7 @@ use super::vector::finite;
 use super::{Counters, Early, Light, Points, Power, Rig, Sink, Visibility};
 use crate::gl;
 use crate::lanes::{Family, Isa, Kernel, Lanes, Real, dispatch};
+use crate::math::Each;
 use crate::math::color::Rgb;
 
 /// Points of a chunk where nobody asks for all of them at once.
@@ -170,7 +171,7 @@ impl<R: Real> Call<'_, '_, R> {
         range: Range<usize>,
     ) -> Products<R> {
         let colors = light.colors();
-        let multiply = |a: &Rgb, b: &Rgb| [0, 1, 2].map(|c| finite::<R>(a[c] * b[c]));
+        let multiply = |a: &Rgb, b: &Rgb| [0, 1, 2].each(|c| finite::<R>(a[c] * b[c]));
         let ambient = multiply(&self.material.ambient, &colors.ambient);
         let diffuse = multiply(&self.material.diffuse, &colors.diffuse);
         let specular = multiply(&self.material.specular, &colors.specular);
@@ -272,14 +273,14 @@ impl<R: Real> Call<'_, '_, R> {
         match &mut self.sink {
             Sink::Record(layers) => {
                 if let [a, d, s] = &mut layers[2 + 3 * light..5 + 3 * light] {
-                    let lists = [a, d, s].map(|lists| part_mut(lists, &range));
+                    let lists = [a, d, s].each(|lists| part_mut(lists, &range));
                     parts::emit::<L>(products, &weights, Target::Record(lists));
                 }
             }
             sink if self.signed => {
                 let all = 0..range.len();
                 let [a, d, s] = terms;
-                let lists = [&mut *a, &mut *d, &mut *s].map(|lists| part_mut(lists, &all));
+                let lists = [&mut *a, &mut *d, &mut *s].each(|lists| part_mut(lists, &all));
                 parts::emit::<L>(products, &weights, Target::Record(lists));
                 let [first, second] = wide;
                 add_wide(first, a);

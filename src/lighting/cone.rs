@@ -6,6 +6,7 @@
 //! cosines are exact for cutoffs of 0, 30, 45, 60 and 90 degrees.
 
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::math::float::{two_prod, two_sum};
 
 /// A cone with a hard edge.
@@ -93,7 +94,7 @@ fn scaled(v: [f64; 3]) -> [f64; 3] {
         return [0.0; 3];
     }
     let (down, _) = largest.power_of_two_scale();
-    v.map(|x| x * down)
+    v.each(|x| x * down)
 }
 
 fn add(a: Pair, b: Pair) -> Pair {
@@ -113,7 +114,7 @@ fn times(a: Pair, b: f64) -> Pair {
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> Pair {
-    let [x, y, z] = [0, 1, 2].map(|i| two_prod(a[i], b[i]));
+    let [x, y, z] = [0, 1, 2].each(|i| two_prod(a[i], b[i]));
     add(add(x, y), z)
 }
 

@@ -1,7 +1,9 @@
 //! Mistakes that people make in this equation: what `crate::check` holds pictures against.
 //!
 //! None unless asked for ([`super::Rig::with_faults`]). They stand inside the one equation, as branches that go the same way
-//! for all points of a call, so that a mistaken picture is wrong in what it names and in nothing else.
+//! for all points of a call, so that a mistaken picture is wrong in what it names and in nothing else. A right one pays a test
+//! for some points side by side: 0.02 % of the instructions of `render whitted --shading phong`, 0.06 % with `--mode trace`
+//! (`valgrind --tool=callgrind` by source line, 2026-12).
 
 use crate::lanes::{Lanes, Real};
 use crate::math::color::{clamp01, quantize8};

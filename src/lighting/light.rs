@@ -9,6 +9,7 @@ use super::vector::{cross_squared, dot3, finite, ln_cosine, unit_and_length, zer
 use crate::gl;
 use crate::lanes::elementary::exp;
 use crate::lanes::{Lanes, Mask, Real};
+use crate::math::Each;
 use crate::math::color::Rgb;
 use crate::math::float::{dot, normalize};
 
@@ -171,7 +172,7 @@ impl<R: Real> Light<R> {
         if w == 0.0 {
             return Self::Directional(directional([x, y, z], colors, cone.as_ref(), source));
         }
-        let attenuation = source.attenuation.map(finite::<R>);
+        let attenuation = source.attenuation.each(finite::<R>);
         let point = PointLight {
             colors,
             position_eye: divide_by_w(source.position),
@@ -182,7 +183,7 @@ impl<R: Real> Light<R> {
             None => Self::Point(point),
             Some(cone) => Self::Spot(SpotLight {
                 point,
-                axis_eye: normalize(source.spot_direction).0.map(R::from_f64),
+                axis_eye: normalize(source.spot_direction).0.each(R::from_f64),
                 cos_cutoff: R::from_f64(cone.cos_cutoff()),
                 power: Power::new(source.spot_exponent),
                 cone,
@@ -229,7 +230,7 @@ fn directional<R: Real>(
     source: &gl::LightSource,
 ) -> DirectionalLight<R> {
     let (to_light, _) = normalize(position);
-    let from_light = to_light.map(|x| -x);
+    let from_light = to_light.each(|x| -x);
     let spot = match cone {
         None => 1.0,
         // The light travels from its position through the point: the position itself is the point's offset, negated.
@@ -242,7 +243,7 @@ fn directional<R: Real>(
         }
         Some(_) => 0.0,
     };
-    let scale = |c: Rgb| c.map(|x| if x == 0.0 { 0.0 } else { x * spot });
+    let scale = |c: Rgb| c.each(|x| if x == 0.0 { 0.0 } else { x * spot });
     DirectionalLight {
         colors: LightColors {
             ambient: scale(colors.ambient),
@@ -250,7 +251,7 @@ fn directional<R: Real>(
             specular: scale(colors.specular),
         },
         spot,
-        to_light: to_light.map(R::from_f64),
+        to_light: to_light.each(R::from_f64),
     }
 }
 
@@ -261,10 +262,10 @@ fn divide_by_w<R: Real>(position: [f64; 4]) -> [R; 3] {
     let divided = [x / w, y / w, z / w];
     let largest = divided.into_iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     if largest <= limit {
-        return divided.map(R::from_f64);
+        return divided.each(R::from_f64);
     }
     let (unit, _) = normalize([x, y, z]);
-    unit.map(|c| R::from_f64(c.copysign(c * w) * limit))
+    unit.each(|c| R::from_f64(c.copysign(c * w) * limit))
 }
 
 impl<R: Real> DirectionalLight<R> {
@@ -357,7 +358,7 @@ impl<R: Real> SpotLight<R> {
         let mut answer = [R::ZERO; 16];
         for (i, answer) in answer.iter_mut().enumerate().take(L::WIDTH) {
             let yes = inside.lane(i)
-                || (!outside.lane(i) && self.contains([0, 1, 2].map(|a| position[a].lane(i))));
+                || (!outside.lane(i) && self.contains([0, 1, 2].each(|a| position[a].lane(i))));
             *answer = if yes { R::ONE } else { R::ZERO };
         }
         L::load(&answer).gt(L::splat(R::ZERO))
@@ -367,7 +368,7 @@ impl<R: Real> SpotLight<R> {
     #[cold]
     #[inline(never)]
     fn contains(&self, position: [R; 3]) -> bool {
-        let offset = [0, 1, 2].map(|a| position[a].to_f64() - self.point.position_eye[a].to_f64());
+        let offset = [0, 1, 2].each(|a| position[a].to_f64() - self.point.position_eye[a].to_f64());
         self.cone.contains(offset)
     }
 }

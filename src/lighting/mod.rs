@@ -18,6 +18,9 @@
 //! | h_i; the lecture's V.R with R = 2(N.L)N - L | `SpecularModel::HalfVector`; `SpecularModel::Reflection` |
 //! | S_i | [`Visibility`]: an input; 1 for the rasterizer, shadow rays for the tracer |
 //!
+//! To learn the equation, read [`plain`] first: the same in thirty scalar lines, one point and one number at a time, held to
+//! this by a test. Here it is side by side, exact at its edges, and leaves out what cannot show.
+//!
 //! **Order.** Lights one by one, points side by side ([`crate::lanes`]). For each light, part one says where it is and
 //! whether it faces the points; then the visibility hook is asked, once a light for all points of the call; then part
 //! two evaluates. Without a hook, points are taken in chunks of 256, so that what the parts hand each other stays in
@@ -66,6 +69,7 @@ mod cone;
 mod faults;
 mod light;
 mod parts;
+pub mod plain;
 mod rig;
 mod rounded;
 mod scratch;

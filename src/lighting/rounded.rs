@@ -3,6 +3,8 @@
 //! A render in f32 differs from one in f64 by the rounding of what goes into the equation, and by the arithmetic after it.
 //! With [`Rounded`] a render in f64 takes the same rounded inputs and computes in f64: what then differs from f32 is the
 //! arithmetic, what differs from plain f64 is the conditioning of the inputs. Each is a change of at most half an ulp of f32.
+//! A render in f32 pays nothing for it (its numbers are rounded, and the compiler drops the question: callgrind finds none of
+//! it); one in f64 pays three tests a point that is to be lit.
 
 use super::{Batches, Light, PointLight, Power, Rig};
 use crate::lanes::Real;

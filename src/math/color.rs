@@ -1,5 +1,6 @@
 //! Colours: unclamped linear numbers until the end. GL's clamp and the rounding to 8 bits are named steps here.
 
+use super::Each;
 use crate::lanes::Real;
 
 /// Red, green, blue; linear, unclamped, unitless as GL's colours are.
@@ -16,7 +17,7 @@ pub fn clamp01<R: Real>(x: R) -> R {
 
 /// [`clamp01`] on each component.
 pub fn clamp_rgb<R: Real>(c: [R; 3]) -> [R; 3] {
-    c.map(clamp01)
+    c.each(clamp01)
 }
 
 /// The 8-bit value of a component: round(255 clamp(x)) (GL 2.1 section 2.14.9: 0 -> 0, 1 -> all ones).

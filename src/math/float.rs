@@ -2,6 +2,7 @@
 //!
 //! No absolute epsilon stands here: bounds come from the operands.
 
+use super::Each;
 use crate::lanes::Real;
 
 /// `v` scaled to unit length, and its length; zero or non-finite vectors give the zero vector and length 0.
@@ -13,9 +14,9 @@ pub fn normalize<R: Real>(v: [R; 3]) -> ([R; 3], R) {
         return ([R::ZERO; 3], R::ZERO);
     }
     let (down, up) = largest.power_of_two_scale();
-    let s = v.map(|x| x * down);
+    let s = v.each(|x| x * down);
     let length = dot(s, s).sqrt();
-    (s.map(|x| x / length), length * up)
+    (s.each(|x| x / length), length * up)
 }
 
 /// Dot product, plain left-to-right sum.

@@ -13,7 +13,9 @@
 //! vectors end in the name of their space. Scene data and matrices are f64; renderers round once to their precision.
 
 pub mod color;
+mod each;
 pub mod float;
 pub mod transform;
 
+pub(crate) use each::Each;
 pub use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};

@@ -11,6 +11,7 @@
 //! place of the triangle's outline in the picture.
 
 use crate::lanes::Real;
+use crate::math::Each;
 
 /// Least weight of a corner outside the triangle. A sample lies at most 1/256 px outside, so only triangles that are
 /// lower than 1/16 px anywhere fall below.
@@ -109,7 +110,7 @@ impl Weights {
     /// Weights on the triangle's whole plane, without the rule for samples outside; `None` where they have no value.
     pub(super) fn on_plane(&self, ray: [f64; 2]) -> Option<[f64; 3]> {
         let e = self.edges(ray);
-        let b = e.map(|x| x / (e[0] + e[1] + e[2]));
+        let b = e.each(|x| x / (e[0] + e[1] + e[2]));
         b.iter().all(|x| x.is_finite()).then_some(b)
     }
 
@@ -149,7 +150,7 @@ impl Weights {
             foot[i] = 0.0;
             let sum = foot[0] + foot[1] + foot[2];
             if foot.iter().all(|x| *x >= 0.0) && sum > 0.0 {
-                offer(e[i].abs() / length2.sqrt(), foot.map(|x| x / sum));
+                offer(e[i].abs() / length2.sqrt(), foot.each(|x| x / sum));
             }
         }
         best.1
@@ -197,8 +198,8 @@ pub(super) fn mix_colors<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
 #[cold]
 fn mix_infinite<R: Real>(b: [f64; 3], c: [[R; 3]; 3]) -> [R; 3] {
     let largest = (1..3).fold(0, |i, k| if b[k] > b[i] { k } else { i });
-    [0, 1, 2].map(|channel| {
-        let corner = [0, 1, 2].map(|i| c[i][channel].to_f64());
+    [0, 1, 2].each(|channel| {
+        let corner = [0, 1, 2].each(|i| c[i][channel].to_f64());
         let weighted = (0..3).filter(|i| b[*i] != 0.0).map(|i| b[i] * corner[i]);
         let sum: f64 = weighted.sum();
         if corner.iter().all(|x| x.is_finite()) {

@@ -20,6 +20,7 @@ use super::bin::{Binned, TILE};
 use super::shade::{Pass, Workspace};
 use super::tile::Visibility;
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::scene::Scene;
 
 /// Samples that are lit and blended together at most, but for those of the last triangle: bounds the memory.
@@ -140,7 +141,7 @@ impl<R: Real> Workspace<R> {
 /// is the colour of larger weight.
 fn over<R: Real>(alpha: f64, source: [R; 3], destination: [R; 3]) -> [R; 3] {
     let weighted = |w: f64, x: R| if w == 0.0 { 0.0 } else { w * x.to_f64() };
-    [0, 1, 2].map(|c| {
+    [0, 1, 2].each(|c| {
         let (s, d) = (source[c], destination[c]);
         let sum = weighted(alpha, s) + weighted(1.0 - alpha, d);
         match (sum.is_nan(), alpha >= 0.5) {

@@ -10,6 +10,7 @@ use super::tile::Samples;
 use super::{Counters, Options, Plan};
 use crate::frame::{Frame, LayerIndex, NONE, remainder};
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::sampling::{self, Pattern};
 
 /// Ray coordinates of grid samples: one list of columns a sample column, one of rows a sample row.
@@ -234,7 +235,7 @@ impl<'a, 's, R: Real> Drawer<'a, 's, R> {
         let index = corner[1] / TILE * grid.columns() + corner[0] / TILE;
         let area = TileArea {
             corner,
-            place: [0, 1].map(|axis| grid.origin[axis] + corner[axis] as i64),
+            place: [0, 1].each(|axis| grid.origin[axis] + corner[axis] as i64),
             size: [1, 1],
         };
         let mut worker = self.worker();

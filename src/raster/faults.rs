@@ -1,6 +1,8 @@
 //! Mistakes that people make in a rasterizer: what `crate::check` holds pictures against.
 //!
 //! None unless asked for ([`super::Plan::with_faults`]); then asked once a sample, where its weights are known.
+//! A right picture pays two tests of a flag a sample: 0.14 % of the instructions of `render whitted --shading phong` (`valgrind
+//! --tool=callgrind` by source line, 2026-12). A type parameter would compile the rasterizer twice to save that.
 
 use crate::lighting;
 

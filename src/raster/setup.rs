@@ -15,6 +15,7 @@ use super::clip::{Polygon, clip};
 use super::edges::{Edges, SAMPLE_BITS};
 use super::sides::Sides;
 use super::view::{Vertex, View, orientation};
+use crate::math::Each;
 use crate::math::color::clamp01;
 use crate::math::float::dot;
 use crate::scene::{Cull, RasterSettings};
@@ -145,7 +146,7 @@ impl<'a> Builder<'a> {
             self.chunk.counters.triangles_outside += 1;
             return;
         };
-        let facing = orientation(corners.map(|v| v.homogeneous()));
+        let facing = orientation(corners.each(|v| v.homogeneous()));
         let sides = Sides::new(self.view, &corners, facing);
         if !self.keeps(facing, sides.is_none()) {
             return;
@@ -164,7 +165,7 @@ impl<'a> Builder<'a> {
             primitive,
         };
         self.chunk.sides.push(sides);
-        let tiles = [0, 1].map(|axis| [first[axis] / TILE, last[axis] / TILE]);
+        let tiles = [0, 1].each(|axis| [first[axis] / TILE, last[axis] / TILE]);
         self.push(triangle, tiles, |_| true);
         let counters = &mut self.chunk.counters;
         counters.triangles_drawn += 1;
@@ -334,9 +335,9 @@ impl<'a> Builder<'a> {
 /// Whether some sample of a tile may be inside all edges of a triangle of snapped vertices.
 fn meets(v: [[i64; 2]; 3], bits: u32, area: &TileArea, samples: SampleBox) -> bool {
     let SampleBox { min, max } = samples;
-    let place = [0, 1].map(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
+    let place = [0, 1].each(|axis| (area.place[axis] << SAMPLE_BITS) + min[axis]);
     let extent =
-        [0, 1].map(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
+        [0, 1].each(|axis| ((area.size[axis] as i64 - 1) << SAMPLE_BITS) + max[axis] - min[axis]);
     !Edges::new(v, bits, place).misses(extent)
 }
 
@@ -353,8 +354,8 @@ pub(super) fn pixels(places: [i64; 3], offsets: [i64; 2], bits: u32) -> [i64; 2]
 /// k0, kx, ky with key = k0 + kx X + ky Y on the triangle's plane. May be infinite or NaN for planes that are all but
 /// edge-on; the range bounds what is used.
 fn key_plane(view: &View, corners: &[Vertex; 3]) -> [f64; 3] {
-    let [h0, h1, h2] = corners.map(|v| v.homogeneous());
-    let [q0, q1, q2] = corners.map(|v| view.depth_numerator(&v));
+    let [h0, h1, h2] = corners.each(|v| v.homogeneous());
+    let [q0, q1, q2] = corners.each(|v| view.depth_numerator(&v));
     let (u, v) = (subtract(h1, h0), subtract(h2, h0));
     // k . h_i = q_i at each corner: k det = q0 (u x v) + (q1 - q0) (v x h0) + (q2 - q0) (h0 x u), det = (u x v) . h0.
     // Where all q are equal (perspective) it is a multiple of the plane's normal.

@@ -23,6 +23,7 @@ use crate::frame::{LayerIndex, NONE};
 use crate::gl::ShadeModel;
 use crate::lanes::Real;
 use crate::lighting::{Batches, surface, to_viewer};
+use crate::math::Each;
 use crate::math::color::clamp_rgb;
 use crate::math::float::normalize;
 
@@ -207,7 +208,7 @@ impl<R: Real> Workspace<R> {
     pub(super) fn meet(&mut self, plan: &Plan<'_, R>, mode: &Mode, primitive: u32) -> Current {
         let corners = plan.assembly.triangles[primitive as usize];
         let vertices = plan.corners(primitive);
-        let homogeneous = vertices.map(|v| v.homogeneous());
+        let homogeneous = vertices.each(|v| v.homogeneous());
         // Facing: GL 2.1 section 2.14.1, two-sided lighting; edge-on counts as back, but draws nothing.
         let back = plan.two_sided && orientation(homogeneous) * plan.view.front_sign <= 0;
         let material = plan.assembly.material[primitive as usize] as usize;
@@ -227,7 +228,7 @@ impl<R: Real> Workspace<R> {
         Current {
             primitive,
             weights: Weights::new(homogeneous),
-            distance: vertices.map(|v| v.distance),
+            distance: vertices.each(|v| v.distance),
             corners,
             surface,
             points,
@@ -273,7 +274,7 @@ impl<R: Real> Workspace<R> {
             ];
             let unit;
             (unit, length) = normalize(raw);
-            normal = turned(unit.map(R::from_f64), seen.surface);
+            normal = turned(unit.each(R::from_f64), seen.surface);
         }
         let viewer = to_viewer(position, plan.viewers);
         self.batches
@@ -283,7 +284,7 @@ impl<R: Real> Workspace<R> {
             points.normal_length.push(R::from_f64(length));
         }
         if !assembly.color[0].is_empty() {
-            let color = |v: u32| [0, 1, 2].map(|k: usize| assembly.color[k][v as usize]);
+            let color = |v: u32| [0, 1, 2].each(|k: usize| assembly.color[k][v as usize]);
             let color = mix3(weights, [color(a), color(b), color(c)]);
             self.push_color(plan, seen.surface, color);
         }
@@ -340,7 +341,7 @@ impl<R: Real> Workspace<R> {
     /// Fills the tile with the background.
     fn show_background(&mut self, pass: &Pass<'_, '_, R>) {
         let mode = pass.mode;
-        let background = pass.plan.scene.background().map(R::from_f64);
+        let background = pass.plan.scene.background().each(R::from_f64);
         let shown = if mode.clamp {
             clamp_rgb(background)
         } else {

@@ -18,6 +18,7 @@
 use super::edges::double_area;
 use super::view::{Vertex, View, orientation, scaled};
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::math::float::{difference_of_products, dot};
 
 /// A multiple of the sum of absolute products that exceeds the rounding of a determinant; as in [`orientation`].
@@ -96,21 +97,21 @@ impl Place {
 impl Sides {
     /// The sides of a triangle of finite vertices that faces as `facing` says (not 0); `None` where it has no area.
     pub(super) fn new(view: &View, corners: &[Vertex; 3], facing: i32) -> Option<Self> {
-        let places = [0, 1, 2].map(|i| Place::new(view, &corners[i]));
-        let turn = match [0, 1, 2].map(|i| places[i].snapped) {
+        let places = [0, 1, 2].each(|i| Place::new(view, &corners[i]));
+        let turn = match [0, 1, 2].each(|i| places[i].snapped) {
             [Some(a), Some(b), Some(c)] => {
                 let area = double_area([a, b, c]).signum() as i32;
                 if view.y_up() { -area } else { area }
             }
             // Snapping may leave no area between two ends that are far ahead; the part before the eye has its own all the same.
-            _ => orientation(corners.map(|v| scaled(v.homogeneous()))),
+            _ => orientation(corners.each(|v| scaled(v.homogeneous()))),
         };
         if turn == 0 {
             return None;
         }
-        let side = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+        let side = [(0, 1), (1, 2), (2, 0)].each(|(i, j)| {
             let (from, to) = if turn > 0 { (i, j) } else { (j, i) };
-            let ends = [(from, to), (to, from)].map(|(this, other)| {
+            let ends = [(from, to), (to, from)].each(|(this, other)| {
                 let snapped = places[other].snapped.is_some();
                 end(
                     view,
@@ -204,7 +205,7 @@ impl Side {
     fn certain(&self, sample: &Sample) -> i32 {
         let place = self.place(sample);
         let value = along(&self.normal, place);
-        let bound = along(&self.doubt, place.map(f64::abs));
+        let bound = along(&self.doubt, place.each(f64::abs));
         i32::from(value > bound) - i32::from(value < -bound)
     }
 
@@ -237,10 +238,10 @@ fn end(view: &View, place: &Place, [this, other]: [&Vertex; 2], other_snapped: b
     }
     // With a the seen end, b this one, and d = (b_xy a_w - a_xy b_w, 0): det(a, b, s) = det(a, d, s) / a_w, and a_w > 0. Common
     // powers of two change no direction and keep products within range.
-    let [a, b] = [other, this].map(Vertex::homogeneous);
+    let [a, b] = [other, this].each(Vertex::homogeneous);
     let largest = a.iter().chain(&b).fold(0.0f64, |m, x| m.max(x.abs()));
     let (down, _) = largest.power_of_two_scale();
-    let [a, b] = [a, b].map(|v| v.map(|x| x * down));
+    let [a, b] = [a, b].each(|v| v.each(|x| x * down));
     let along = |k: usize| difference_of_products(b[k], a[2], a[k], b[2]);
     Place {
         ray: scaled([along(0), along(1), 0.0]),
@@ -255,9 +256,9 @@ fn along(normal: &[f64; 3], [x, y]: [f64; 2]) -> f64 {
 
 /// The half-planes of the near and the far plane: a sample's weights times the corners' distances from the plane.
 fn cuts(view: &View, corners: &[Vertex; 3], facing: i32) -> [[f64; 3]; 2] {
-    let h = corners.map(|v| scaled(v.homogeneous()));
+    let h = corners.each(|v| scaled(v.homogeneous()));
     // Weights refer to the vertices themselves, so each scaled one gives back what the other two were divided by.
-    let scale = corners.map(|v| {
+    let scale = corners.each(|v| {
         let [x, y, w] = v.homogeneous();
         let largest = x.abs().max(y.abs()).max(w.abs());
         largest.power_of_two_scale().0
@@ -276,8 +277,8 @@ fn cuts(view: &View, corners: &[Vertex; 3], facing: i32) -> [[f64; 3]; 2] {
             return [0.0; 3];
         }
         // The plane's distances may be as large as the vertices: they are scaled alike.
-        let inside = [0, 1, 2].map(|i| inside[i] * scale[i]);
-        let form = [0, 1, 2].map(|axis| dot(normals.map(|n| n[axis]), inside));
+        let inside = [0, 1, 2].each(|i| inside[i] * scale[i]);
+        let form = [0, 1, 2].each(|axis| dot(normals.each(|n| n[axis]), inside));
         // All zero would mean no cut; here nothing is certain, and nothing is drawn.
         if form == [0.0; 3] {
             [0.0, 0.0, -1.0]
@@ -286,7 +287,7 @@ fn cuts(view: &View, corners: &[Vertex; 3], facing: i32) -> [[f64; 3]; 2] {
         }
     };
     [
-        cut(corners.map(|v| view.inside_near(&v))),
-        cut(corners.map(|v| view.inside_far(&v))),
+        cut(corners.each(|v| view.inside_near(&v))),
+        cut(corners.each(|v| view.inside_far(&v))),
     ]
 }

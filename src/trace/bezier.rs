@@ -40,6 +40,7 @@ use super::build::Bounds;
 use super::exact::{Twofold, add_scaled, dot2, pairs, sign_of_difference, unit, values};
 use super::planar::Shear;
 use super::ray::{Foot, Ray};
+use crate::math::Each;
 use crate::math::transform::mirrors;
 use crate::math::{DAffine3, DVec2, DVec3};
 use crate::scene::bezier::{self, Net, halve, halve_u, halve_v, jet};
@@ -125,7 +126,7 @@ impl Sheet {
         let net = &self.pieces[piece as usize];
         let [u, v] = polished(net, ray, uv).unwrap_or(uv);
         let corner = net[0][0];
-        let about = net.map(|row| row.map(|p| p - corner));
+        let about = net.each(|row| row.each(|p| p - corner));
         let normal = bezier::normal(net, u, v);
         Foot {
             point: corner + jet(&about, u, v).point,
@@ -166,7 +167,7 @@ impl Part {
     /// The axis to halve: the longer one, as the ray sees it.
     fn longer(&self) -> Option<usize> {
         let length = |p: &[DVec3; 4]| (p[3] - p[0]).truncate().length_squared();
-        let column = |j: usize| self.net.map(|row| row[j]);
+        let column = |j: usize| self.net.each(|row| row[j]);
         let u = length(&self.net[0]).max(length(&self.net[3]));
         let v = length(&column(0)).max(length(&column(3)));
         match self.level.map(|level| level < DEEPEST) {
@@ -227,7 +228,7 @@ fn is_aside(net: &Net) -> bool {
 /// How often the border goes around 0, counter-clockwise: u at v = 0, v at u = 1, and back.
 #[inline]
 fn winding(net: &Net, level: [u32; 2]) -> i32 {
-    let column = |j: usize| net.map(|row| row[j]);
+    let column = |j: usize| net.each(|row| row[j]);
     let count = crossings_of_half_line;
     count(net[0], level[0]) + count(column(3), level[1])
         - count(net[3], level[0])
@@ -237,8 +238,8 @@ fn winding(net: &Net, level: [u32; 2]) -> i32 {
 /// How often a curve crosses the half line y = 0, x >= 0: towards y >= 0 minus towards y < 0. Its level counts the halvings
 /// of its piece's border, so that every part of that border ends at the same ones.
 fn crossings_of_half_line(p: [DVec3; 4], level: u32) -> i32 {
-    let left = p.map(|p| p.x < 0.0);
-    let below = p.map(|p| p.y < 0.0);
+    let left = p.each(|p| p.x < 0.0);
+    let below = p.each(|p| p.y < 0.0);
     if below == [below[0]; 4] || left == [true; 4] {
         return 0;
     }
@@ -334,10 +335,10 @@ fn newton(net: &Net) -> Option<(f64, [f64; 2])> {
 /// away the ray starts. `None` where the step makes no sense.
 fn polished(net: &Net, ray: &Ray, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     let corner = net[0][0];
-    let about = net.map(|row| row.map(|p| p - corner));
+    let about = net.each(|row| row.each(|p| p - corner));
     let at = jet(&about, u, v);
     let (c, o, d) = (corner.to_array(), ray.origin.to_array(), ray.direction);
-    let from_origin = [0, 1, 2].map(|k| Twofold::difference(c[k], o[k]));
+    let from_origin = [0, 1, 2].each(|k| Twofold::difference(c[k], o[k]));
     let w = add_scaled(from_origin, Twofold::from(1.0), pairs(at.point));
     // Remove the part along d, in pairs: what is left is small and full of digits.
     let d2 = pairs(d);

@@ -11,6 +11,7 @@ use super::exact::{Twofold, unit};
 use super::span::{Span, Spot};
 use super::torus::Torus;
 use crate::math::DVec3;
+use crate::math::Each;
 use crate::scene::Shape;
 
 /// Added to the face number where a ray leaves.
@@ -32,7 +33,7 @@ impl Body {
     pub(super) fn of(shape: &Shape) -> Option<(DVec3, Self)> {
         let between = |from: DVec3, to: DVec3| {
             let (a, b) = (to.to_array(), from.to_array());
-            [0, 1, 2].map(|k| Twofold::difference(a[k], b[k]))
+            [0, 1, 2].each(|k| Twofold::difference(a[k], b[k]))
         };
         match *shape {
             Shape::Disk {

@@ -15,6 +15,7 @@ use super::optics::{Transmission, fresnel, reflect, refract};
 use super::ray::{Foot, Ray};
 use super::touch::Touching;
 use crate::math::DVec3;
+use crate::math::Each;
 use crate::math::color::Rgb;
 use crate::scene::{Fresnel, Optics, Tir, TraceSettings};
 
@@ -105,7 +106,7 @@ impl Fork<'_> {
             }
             let beyond = passage.beyond.filter(|_| self.wanted[1]);
             refraction = beyond.and_then(|(direction, part, media)| {
-                self.child(direction, k_t.map(|k| k * part), Branch::Refraction, media)
+                self.child(direction, k_t.each(|k| k * part), Branch::Refraction, media)
             });
             (passed, transmission) = (Some(passage), k_t);
         }
@@ -125,8 +126,8 @@ impl Fork<'_> {
         // Weights above 1 saturate, so that a later factor of 0 still makes 0; those that lose their digits are 0, for the
         // smallest number times 0.9 rounds to itself and would never end.
         let product = |c: usize| (self.path.weight[c] * k[c]).clamp(f64::MIN, f64::MAX);
-        let weight = [0, 1, 2].map(product);
-        let weight = weight.map(|w| if w.is_subnormal() { 0.0 } else { w });
+        let weight = [0, 1, 2].each(product);
+        let weight = weight.each(|w| if w.is_subnormal() { 0.0 } else { w });
         let cutoff = self.settings.weight_cutoff;
         if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
             return None;

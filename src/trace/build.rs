@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::bvh::{BoxSpace, Bvh, Node, round_down, round_up};
 use super::split::{Choice, Extent, Reference, choose, extents};
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// A box in world space, corners included. An empty one (low > high), or one that is not finite, holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,8 +182,8 @@ fn references(bounds: &[Bounds], space: &BoxSpace) -> Vec<Reference> {
         let high = (b.high + DVec3::splat(pad) - space.center) * space.scale;
         let (low, high) = (low.to_array(), high.to_array());
         Some(Reference {
-            low: low.map(|x| round_down(x).next_down()),
-            high: high.map(|x| round_up(x).next_up()),
+            low: low.each(|x| round_down(x).next_down()),
+            high: high.each(|x| round_up(x).next_up()),
             index: i as u32,
         })
     };

@@ -12,6 +12,7 @@
 
 use super::ray::Ray;
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// Children a node in the renderer.
 pub const WIDTH: usize = 8;
@@ -113,9 +114,9 @@ impl BoxRay {
         }
         let unit = space.scale * up;
         Some(Self {
-            origin_low: o.map(|x| (x as f32).next_down()),
-            origin_high: o.map(|x| (x as f32).next_up()),
-            inverse: d.map(finite_inverse),
+            origin_low: o.each(|x| (x as f32).next_down()),
+            origin_high: o.each(|x| (x as f32).next_up()),
+            inverse: d.each(finite_inverse),
             unit,
             t_min: round_down(ray.t_min * unit) * (2.0 - WIDEN),
         })

@@ -12,6 +12,7 @@ use super::cylinder::split;
 use super::exact::{Twofold, cross2, dot2, pairs, unit, values};
 use super::span::{Span, Spot, along, unit_scale};
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// The round side.
 pub const SIDE: u32 = 0;
@@ -52,7 +53,7 @@ impl Cone {
     pub fn span(&self, q: [Twofold; 3], d: DVec3) -> Option<Span> {
         let (a_down, a_up) = unit_scale(values(self.axis))?;
         let (d_down, _) = unit_scale(d)?;
-        let (a, d) = (self.axis.map(|x| x.scaled(a_down)), d * d_down);
+        let (a, d) = (self.axis.each(|x| x.scaled(a_down)), d * d_down);
         let radius = self.radius * a_down;
         if surely_missed(radius, values(a), values(q), d) {
             return None;

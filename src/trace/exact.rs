@@ -5,6 +5,7 @@
 //! callers keep operands between about 1e-140 and 1e140. What it leaves out: exponents beyond that.
 
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// a + b rounded, and the error of that rounding.
 #[inline]
@@ -206,19 +207,19 @@ pub fn cross2(a: [Twofold; 3], b: [Twofold; 3]) -> [Twofold; 3] {
 /// Scaled and added: a + s b.
 #[inline]
 pub fn add_scaled(a: [Twofold; 3], s: Twofold, b: [Twofold; 3]) -> [Twofold; 3] {
-    [0, 1, 2].map(|k| a[k] + s * b[k])
+    [0, 1, 2].each(|k| a[k] + s * b[k])
 }
 
 /// Each component rounded to f64.
 #[inline]
 pub fn values(v: [Twofold; 3]) -> DVec3 {
-    DVec3::from_array(v.map(Twofold::value))
+    DVec3::from_array(v.each(Twofold::value))
 }
 
 /// A vector as pairs.
 #[inline]
 pub fn pairs(v: DVec3) -> [Twofold; 3] {
-    v.to_array().map(Twofold::from)
+    v.to_array().each(Twofold::from)
 }
 
 /// a + b rounded and its error, for |a| >= |b|.

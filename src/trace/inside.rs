@@ -23,6 +23,7 @@ use super::media::{AIR, Media, MediaId};
 use super::ray::Ray;
 use super::surface::Surfaces;
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::math::{DVec2, DVec3};
 use crate::scene::fit::Bounds;
 use crate::scene::{Geometry, Object, Scene};
@@ -122,14 +123,14 @@ fn near_points(scene: &Scene) -> Option<Bounds> {
     let world_from_eye = camera.eye_from_world_rotation().transpose();
     let (width, height) = (f64::from(image.width), f64::from(image.height));
     let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
-    let near = corners.map(|corner| {
+    let near = corners.each(|corner| {
         let place = DVec2::from_array(corner);
         let (origin, direction) = camera.primary_ray(place, image.width, image.height);
         let [t_min, _] = camera.ray_range(place, image.width, image.height);
         camera.eye + world_from_eye * (origin + t_min * direction)
     });
     let finite = near.iter().all(|p| p.is_finite());
-    let all = near.map(|p| Bounds { min: p, max: p });
+    let all = near.each(|p| Bounds { min: p, max: p });
     let all = all.into_iter().reduce(|a, b| a.union(&b))?;
     finite.then_some(all)
 }

@@ -18,6 +18,7 @@ use super::build::Bounds;
 use super::bvh::Bvh;
 use super::planar::Shear;
 use super::ray::{Hit, Ray};
+use crate::math::Each;
 use crate::math::transform::mirrors;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::scene::{Geometry, Mesh, Scene};
@@ -38,7 +39,7 @@ pub(super) struct Shared {
 
 impl Shared {
     fn new(mesh: &Arc<Mesh>) -> Self {
-        let corners_of = |triangle: &[u32; 3]| triangle.map(|v| mesh.positions[v as usize]);
+        let corners_of = |triangle: &[u32; 3]| triangle.each(|v| mesh.positions[v as usize]);
         let bounds: Vec<Bounds> = mesh
             .triangles
             .iter()
@@ -129,7 +130,7 @@ impl Instance {
     /// World corners of a triangle, and the error of bringing it there and the ray to it, as a length.
     pub(super) fn corners_world(&self, shared: &Shared, item: u32) -> ([DVec3; 3], f64) {
         let triangle = shared.mesh.triangles[(item - self.first) as usize];
-        let corners = triangle.map(|v| {
+        let corners = triangle.each(|v| {
             self.place
                 .transform_point3(shared.mesh.positions[v as usize])
         });

@@ -18,6 +18,7 @@ use super::exact::{
     Twofold, cross, cross2, difference_of_products, dot2, pairs, sign_of_difference, unit,
 };
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// The shear that makes a ray the z axis.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +106,7 @@ impl Shear {
     /// Hit of a triangle, at any t.
     #[inline]
     pub fn triangle(&self, corners: [[f64; 3]; 3]) -> Option<PlanarHit> {
-        let [a, b, c] = corners.map(|v| self.vertex(v));
+        let [a, b, c] = corners.each(|v| self.vertex(v));
         let orientation = inside([b, c, a], [c, a, b])?;
         let (t, uv) = self.weights([a, b, c])?;
         let back = orientation > 0;
@@ -115,7 +116,7 @@ impl Shear {
     /// Hit of the parallelogram with corners `a`, `a + u`, `a + u + v`, `a + v`, given in that order; at any t.
     #[inline]
     pub fn parallelogram(&self, corners: [[f64; 3]; 4]) -> Option<PlanarHit> {
-        let [a, b, c, d] = corners.map(|v| self.vertex(v));
+        let [a, b, c, d] = corners.each(|v| self.vertex(v));
         let orientation = inside([a, b, c, d], [b, c, d, a])?;
         let (t, uv) = self.weights([a, b, d])?;
         let back = orientation > 0;
@@ -143,7 +144,7 @@ impl Shear {
 pub fn precise_weights(origin: DVec3, direction: DVec3, corners: [DVec3; 3]) -> Option<[f64; 2]> {
     let difference = |p: DVec3, q: DVec3| {
         let (p, q) = (p.to_array(), q.to_array());
-        [0, 1, 2].map(|k| Twofold::difference(p[k], q[k]))
+        [0, 1, 2].each(|k| Twofold::difference(p[k], q[k]))
     };
     let d = pairs(direction);
     let weight =

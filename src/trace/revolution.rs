@@ -23,6 +23,7 @@ use super::isolate::{Bracket, Coefficients, Signs, halves, isolate, root};
 use super::span::{Spot, unit_scale};
 use crate::lanes::Real;
 use crate::math::DVec3;
+use crate::math::Each;
 use crate::scene::profile::{Piece, Profile};
 
 /// One piece of a profile, turned about the axis; its anchor is the axis' point at height 0.
@@ -93,7 +94,7 @@ impl Band {
         };
         let n = pairs(axis * axis_down);
         let length = dot2(n, n).sqrt();
-        let axis = n.map(|x| x / length);
+        let axis = n.each(|x| x / length);
         let [low, high] = profile.heights();
         let (down, up) = profile
             .radius()
@@ -102,8 +103,8 @@ impl Band {
             .power_of_two_scale();
         let one = |piece: &Piece| {
             let piece = Piece {
-                r: piece.r.map(|x| x * down),
-                z: piece.z.map(|x| x * down),
+                r: piece.r.each(|x| x * down),
+                z: piece.z.each(|x| x * down),
                 ..*piece
             };
             Self {
@@ -154,7 +155,7 @@ impl Band {
     fn view(&self, q: [Twofold; 3], d: DVec3) -> Option<View> {
         let (d_down, _) = unit_scale(d)?;
         let [down, up] = self.scale;
-        let (q, d) = (q.map(|x| x.scaled(down)), d * d_down);
+        let (q, d) = (q.each(|x| x.scaled(down)), d * d_down);
         if self.surely_missed(values(q), d) {
             return None;
         }
@@ -171,7 +172,7 @@ impl Band {
         let (x, y) = (p - height * n, d - climb * n);
         let (a, b, c) = (y.length_squared(), x.dot(y), x.length_squared());
         let last = self.piece.degree;
-        let [low, high] = [self.piece.z[0], self.piece.z[last]].map(|z| (z - height) / climb);
+        let [low, high] = [self.piece.z[0], self.piece.z[last]].each(|z| (z - height) / climb);
         // Of nearly level rays the whole line is taken, for rounding would move the ends.
         let is_level = climb.abs() * 64.0 < d.length();
         let (from, to) = if is_level {
@@ -201,7 +202,7 @@ impl Band {
         if c[..=n].iter().all(|x| *x > error) || c[..=n].iter().all(|x| *x < -error) {
             return;
         }
-        let ends = [0, self.piece.degree].map(|i| {
+        let ends = [0, self.piece.degree].each(|i| {
             let (r, z) = (self.piece.r[i], self.piece.z[i]);
             r > 0.0 && view.is_within([Twofold::from(r), Twofold::from(z)])
         });
@@ -216,8 +217,8 @@ impl Band {
                 found.push(side.crossing(bracket));
             });
         };
-        let heights = [0, self.piece.degree].map(|i| view.above(Twofold::from(self.piece.z[i])));
-        let [from, to] = heights.map(|x| x.value());
+        let heights = [0, self.piece.degree].each(|i| view.above(Twofold::from(self.piece.z[i])));
+        let [from, to] = heights.each(|x| x.value());
         if from * to >= 0.0 || matches!(view.way, Way::Steep { .. }) {
             let side = if from != 0.0 { from } else { to };
             let side = if side == 0.0 { 0.0 } else { side.signum() };
@@ -246,7 +247,7 @@ impl Band {
         let Piece { degree, r, z } = self.piece;
         let [weight, square, half, rest] = view.plain();
         let height = view.height().value();
-        let zeta = z.map(|z| z - height);
+        let zeta = z.each(|z| z - height);
         // The polar form: what is squared in G is multiplied.
         let f = |i: usize, j: usize| {
             weight * r[i] * r[j] - (square * zeta[i] * zeta[j] + half * (zeta[i] + zeta[j]) + rest)

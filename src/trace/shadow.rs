@@ -95,8 +95,8 @@ impl<R: Real> Visibility<R> for Shadows<'_, '_, R> {
             let (true, Some(site)) = (illumination.facing[i], &self.sites[tag as usize]) else {
                 continue;
             };
-            let right = shadow_ray(&site.foot, site.skip, lamp);
-            let ray = self.faults.shadow_ray(right, &site.foot, lamp);
+            let mut ray = shadow_ray(&site.foot, site.skip, lamp);
+            self.faults.shadow_ray(&mut ray, &site.foot, lamp);
             self.counters.rays.shadow += 1;
             let lit = self.light_through(&ray);
             if let Some(record) = self.record.as_deref_mut() {

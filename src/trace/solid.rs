@@ -18,6 +18,7 @@ use super::ray::{Foot, Hit, Ray};
 use super::revolution::Band;
 use super::span::Spot;
 use super::sphere::{Roots, roots};
+use crate::math::Each;
 use crate::math::transform::{mirrors, normal_matrix};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::scene::profile::{Piece, Profile};
@@ -362,12 +363,12 @@ impl Solid {
     /// From the ray's origin to a point of the shape, and the ray's direction, in object space.
     fn ray_about(&self, anchor_world: DVec3, ray: &Ray) -> ([Twofold; 3], DVec3) {
         let (c, o) = (anchor_world.to_array(), ray.origin.to_array());
-        let q = [0, 1, 2].map(|k| Twofold::difference(c[k], o[k]));
+        let q = [0, 1, 2].each(|k| Twofold::difference(c[k], o[k]));
         match &self.linear {
             None => (q, ray.direction),
             Some((_, inverse)) => {
-                let q = *inverse * DVec3::from_array(q.map(Twofold::value));
-                (q.to_array().map(Twofold::from), *inverse * ray.direction)
+                let q = *inverse * DVec3::from_array(q.each(Twofold::value));
+                (q.to_array().each(Twofold::from), *inverse * ray.direction)
             }
         }
     }
@@ -459,7 +460,7 @@ fn patch(place: &DAffine3, corner: DVec3, u: DVec3, v: DVec3, tiles: [u32; 2]) -
     let corners = [corner, corner + u, corner + u + v, corner + v];
     let normal_world = unit(normal_matrix(place) * u.cross(v));
     (normal_world != DVec3::ZERO).then(|| Form::Patch {
-        corners_world: corners.map(|p| place.transform_point3(p).to_array()),
+        corners_world: corners.each(|p| place.transform_point3(p).to_array()),
         edges_world: [place.transform_vector3(u), place.transform_vector3(v)],
         normal_world,
         mirrored: mirrors(place),

@@ -5,6 +5,7 @@
 
 use super::exact::{Twofold, add_scaled, pairs};
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// The interval and the faces that bound it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +64,7 @@ impl Span {
 
     /// In units of a direction that is `factor` (a power of two) times as long; `None` where an end is not finite.
     pub fn in_units(self, factor: f64) -> Option<Self> {
-        let t = self.t.map(|t| t.scaled(factor));
+        let t = self.t.each(|t| t.scaled(factor));
         let finite = t.iter().all(|t| t.value().is_finite());
         finite.then_some(Self { t, ..self })
     }
@@ -80,7 +81,7 @@ pub struct Spot {
 
 /// The point of the ray at t, from the anchor: t d - q.
 pub(super) fn along(q: [Twofold; 3], d: DVec3, t: Twofold) -> [Twofold; 3] {
-    add_scaled(q.map(|x| -x), t, pairs(d))
+    add_scaled(q.each(|x| -x), t, pairs(d))
 }
 
 /// Powers of two that bring the largest component of a vector near 1, and back; `None` where it is zero or not finite.

@@ -3,6 +3,7 @@
 //! A cut costs area x count of both sides, a leaf area x count, entering a node [`NODE_COST`] x area. Of equal costs the first
 //! one wins (x before y before z, low bins first). Bins are merged by min, max and integer sums, so threads change nothing.
 
+use crate::math::Each;
 use rayon::prelude::*;
 
 use super::build::PARALLEL;
@@ -55,7 +56,7 @@ impl Extent {
 
     /// Half the surface area; 0 where empty.
     pub(super) fn area(&self) -> f32 {
-        let d = [0, 1, 2].map(|k| (self.high[k] - self.low[k]).max(0.0));
+        let d = [0, 1, 2].each(|k| (self.high[k] - self.low[k]).max(0.0));
         d[0] * d[1] + d[1] * d[2] + d[2] * d[0]
     }
 }
@@ -73,7 +74,7 @@ pub(super) fn extents(references: &[Reference]) -> (Extent, Extent) {
         let mut centers = Extent::EMPTY;
         for r in part {
             boxes.add(&r.low, &r.high);
-            let c = [0, 1, 2].map(|k| r.doubled_center(k));
+            let c = [0, 1, 2].each(|k| r.doubled_center(k));
             centers.add(&c, &c);
         }
         (boxes, centers)
@@ -169,7 +170,7 @@ pub(super) fn choose(
             Choice::Halve
         };
     }
-    let planes = [0, 1, 2].map(|axis| Plane::over(axis, centers));
+    let planes = [0, 1, 2].each(|axis| Plane::over(axis, centers));
     let (cost, plane) = cheapest(&fill_bins(references, &planes), planes);
     if n <= max_leaf && extent.area() * n as f32 <= cost + NODE_COST * extent.area() {
         return Choice::Leaf;

@@ -7,6 +7,7 @@
 use super::tile::TileFrame;
 use crate::frame::{LayerIndex, remainder, sum_in_order};
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::sampling;
 
 /// What is kept beside the colour.
@@ -88,18 +89,18 @@ impl<R: Real> Sums<R> {
     /// The parts of a pixel's reflection and refraction.
     fn parts(&self, pixel: usize) -> impl Iterator<Item = [R; 3]> {
         let parts = self.splits.iter();
-        parts.map(move |part| part[pixel].map(R::from_f64))
+        parts.map(move |part| part[pixel].each(R::from_f64))
     }
 
     /// The colour of a pixel's sample, and the bounced layers as they count in it.
     pub(super) fn color(&self, pixel: usize) -> ([R; 3], [[R; 3]; 2]) {
-        let bounced = [0, 1].map(|k| self.bounced[k][pixel].map(R::from_f64));
+        let bounced = [0, 1].each(|k| self.bounced[k][pixel].each(R::from_f64));
         let color = if self.recording() {
             let local = self.terms.iter().map(|term| term[pixel]);
             sum_in_order(local.chain(bounced), self.signed)
         } else {
             let local = self.local[pixel];
-            [0, 1, 2].map(|c| (local[c] + bounced[0][c]) + bounced[1][c])
+            [0, 1, 2].each(|c| (local[c] + bounced[0][c]) + bounced[1][c])
         };
         (color, bounced)
     }

@@ -13,6 +13,7 @@ use super::planar::{Shear, normal, precise_weights};
 use super::ray::{Foot, Hit, Ray};
 use super::solid::Solid;
 use crate::lanes::Real;
+use crate::math::Each;
 use crate::math::{DMat3, DVec3};
 use crate::scene::assembly::Assembly;
 use crate::scene::{self, Scene};
@@ -307,7 +308,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         }
         let triangle = self.assembly.triangles[hit.item as usize];
         let [a, b, c] =
-            triangle.map(|v| DVec3::from_array(self.assembly.vertex_normal_weighted(v)));
+            triangle.each(|v| DVec3::from_array(self.assembly.vertex_normal_weighted(v)));
         let [u, v] = hit.uv;
         Some(((1.0 - u - v) * a + u * b + v * c).length())
     }
@@ -369,7 +370,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return [[R::ZERO; 3]; 3];
         }
         let triangle = self.assembly.triangles[item as usize];
-        triangle.map(|v| self.assembly.position_from_eye[v as usize])
+        triangle.each(|v| self.assembly.position_from_eye[v as usize])
     }
 
     /// A place less the eye, in world space: the eye is added in f64, equally for every triangle that shares the vertex.
@@ -386,7 +387,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             Some((instance, shared)) => instance.corners_world(shared, triangle),
             None => {
                 let corners = self.corners_of(triangle);
-                (corners.map(|p| DVec3::from_array(self.world(p))), 0.0)
+                (corners.each(|p| DVec3::from_array(self.world(p))), 0.0)
             }
         }
     }
@@ -399,7 +400,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             return instance.bounds(shared);
         }
         let corners = self.corners_of(item);
-        Bounds::of(corners.map(|p| DVec3::from_array(self.world(p))))
+        Bounds::of(corners.each(|p| DVec3::from_array(self.world(p))))
     }
 
     /// Seen along the ray: a picture that shows the mirror image turns windings round.
@@ -427,7 +428,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
         Site {
             t: hit.t,
             foot,
-            position_eye: eye.to_array().map(R::from_f64),
+            position_eye: eye.to_array().each(R::from_f64),
             normal_eye: if normal {
                 unit(self.rotation * foot.normal).to_array()
             } else {
@@ -451,8 +452,8 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let a = self.assembly;
         let triangle = a.triangles[hit.item as usize];
         let (world, error) = self.corners_world(hit.item);
-        let eye = triangle.map(|v| a.vertex_eye(v).map(Real::to_f64));
-        let normals = triangle.map(|v| a.vertex_normal_weighted(v));
+        let eye = triangle.each(|v| a.vertex_eye(v).each(Real::to_f64));
+        let normals = triangle.each(|v| a.vertex_normal_weighted(v));
         let (ab, ac) = (world[1] - world[0], world[2] - world[0]);
         // f64 vertices seen from afar deserve better weights than those that decided; f32 ones cannot tell.
         let [u, v] = if R::ROUNDOFF.to_f64() < 1e-10 {
@@ -468,11 +469,11 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let [u, v] = eye_ray
             .and_then(|(o, d)| {
                 let shear = Shear::new(o, d)?;
-                Some(shear.weights(eye.map(|p| shear.vertex(p)))?.1)
+                Some(shear.weights(eye.each(|p| shear.vertex(p)))?.1)
             })
             .unwrap_or(hit.uv);
         let blend = |x: [[f64; 3]; 3]| {
-            [0, 1, 2].map(|k| (1.0 - u - v) * x[0][k] + u * x[1][k] + v * x[2][k])
+            [0, 1, 2].each(|k| (1.0 - u - v) * x[0][k] + u * x[1][k] + v * x[2][k])
         };
         Site {
             t: hit.t,
@@ -485,7 +486,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             },
             color: a.vertex_color(triangle[0]).map(|first| {
                 let corner = |v: u32| a.vertex_color(v).unwrap_or(first);
-                blend(triangle.map(corner).map(|c| c.map(Real::to_f64))).map(R::from_f64)
+                blend(triangle.each(corner).map(|c| c.each(Real::to_f64))).map(R::from_f64)
             }),
             object: a.object[hit.item as usize],
             material: a.material[hit.item as usize],

@@ -24,6 +24,7 @@ use crate::error::Error;
 use crate::frame::{LayerIndex, NONE};
 use crate::lanes::Real;
 use crate::lighting::{Batches, surface};
+use crate::math::Each;
 use crate::math::{DMat3, DVec3};
 use crate::scene::requirements::Feature;
 
@@ -291,11 +292,11 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         };
         let viewer = match (looks_back, primary) {
             (false, _) => DVec3::Z,
-            (true, true) => unit(-DVec3::from_array(site.position_eye.map(Real::to_f64))),
+            (true, true) => unit(-DVec3::from_array(site.position_eye.each(Real::to_f64))),
             (true, false) => unit(-arriving),
         };
         self.counters.normalizations += u64::from(looks_back);
-        let real = |v: DVec3| v.to_array().map(R::from_f64);
+        let real = |v: DVec3| v.to_array().each(R::from_f64);
         let surface = surface(site.material as usize, back);
         let (normal, viewer) = (real(normal), real(viewer));
         self.batches

@@ -20,6 +20,7 @@ use super::exact::{Twofold, dot2, pairs, unit, values};
 use super::isolate::root;
 use super::span::{Spot, along, unit_scale};
 use crate::math::DVec3;
+use crate::math::Each;
 
 /// A ring torus; its anchor is its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +84,7 @@ impl Torus {
         let (d_down, _) = unit_scale(d)?;
         let (down, _) = self.major.power_of_two_scale();
         let (big, small) = (self.major * down, self.minor * down);
-        let (q, d) = (q.map(|x| x.scaled(down)), d * d_down);
+        let (q, d) = (q.each(|x| x.scaled(down)), d * d_down);
         // Move to the point nearest to the centre, or near it.
         let start = values(q).dot(d) / d.length_squared();
         if !start.is_finite() {
@@ -97,7 +98,7 @@ impl Torus {
             [dot2(p, p), dot2(p, d2), dot2(d2, d2)],
             [dot2(p, n), dot2(d2, n)],
         );
-        let plain = [g.map(Twofold::value), [h[0].value(), h[1].value(), 0.0]];
+        let plain = [g.each(Twofold::value), [h[0].value(), h[1].value(), 0.0]];
         let interval = room(
             ROOM * (big + small),
             ROOM * small * nn.value().sqrt(),
@@ -136,7 +137,7 @@ impl Torus {
         // Away from the ring: the part across is longer or shorter than R.
         let distance = dot2(across, across).sqrt();
         let part = Twofold::from(1.0) - Twofold::from(self.major) / distance;
-        let away = [0, 1, 2].map(|k| part * across[k] + height * axis[k]);
+        let away = [0, 1, 2].each(|k| part * across[k] + height * axis[k]);
         let normal = unit(values(away));
         let offset = self.major * unit(values(across)) + self.minor * normal;
         Some(Spot { offset, normal })
@@ -181,7 +182,7 @@ fn nodes(f: &Quartic, [low, high]: [f64; 2]) -> ([f64; 5], usize) {
     let discriminant = b * b - a * c;
     if discriminant.value() > 0.0 {
         let root = discriminant.sqrt();
-        for s in [(-b - root) / a, (-b + root) / a].map(Twofold::value) {
+        for s in [(-b - root) / a, (-b + root) / a].each(Twofold::value) {
             if s > ends[count - 1] && s < high {
                 ends[count] = s;
                 count += 1;
@@ -192,7 +193,7 @@ fn nodes(f: &Quartic, [low, high]: [f64; 2]) -> ([f64; 5], usize) {
     let mut nodes = [low; 5];
     let mut number = 1;
     for pair in ends[..=count].windows(2) {
-        let [from, to] = [pair[0], pair[1]].map(|s| horner(&slope, s).value() <= 0.0);
+        let [from, to] = [pair[0], pair[1]].each(|s| horner(&slope, s).value() <= 0.0);
         if from != to {
             let s = monotone_root(&slope, pair[0], pair[1], from).value();
             if s > nodes[number - 1] && s < high {

@@ -11,6 +11,7 @@
 use super::branch::{Branch, Fork};
 use super::media::{Crossing, Media};
 use super::ray::Foot;
+use crate::math::Each;
 use crate::math::color::Rgb;
 use crate::scene::Optics;
 
@@ -31,7 +32,7 @@ impl Fork<'_> {
     pub(super) fn transmission(&self) -> Rgb {
         let own = self.optics.transmission;
         self.touching.iter().fold(own, |k, next| {
-            [0, 1, 2].map(|c| k[c] * next.optics.transmission[c])
+            [0, 1, 2].each(|c| k[c] * next.optics.transmission[c])
         })
     }
 

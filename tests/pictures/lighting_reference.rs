@@ -4,7 +4,11 @@
 use std::io::Read;
 
 use crate::probe::{gl_lights, numerics};
+use rastray::gl::{LightSource, SpecularModel};
 use rastray::lanes::{Isa, Real};
+use rastray::lighting::plain::lit;
+use rastray::lighting::{Illumination, Visibility};
+use rastray::math::DVec3;
 use serde_json::Value;
 
 fn as_f64(value: &Value) -> f64 {
@@ -119,6 +123,118 @@ fn gl_undefined_cases_have_values() {
             assert_eq!(gl_cases::<f32>(isa, &text, class).nan, 0);
             assert_eq!(gl_cases::<f64>(isa, &text, class).nan, 0);
         }
+    }
+}
+
+/// S_L that differs from light to light, and by colour: 1, then coloured, then 0, and again.
+struct Shadows;
+
+impl Shadows {
+    const S_L: [[f64; 3]; 3] = [[1.0; 3], [0.25, 0.5, 0.75], [0.0; 3]];
+
+    fn of(light: usize) -> [f64; 3] {
+        Self::S_L[light % Self::S_L.len()]
+    }
+}
+
+impl Visibility<f64> for Shadows {
+    fn query(&mut self, light: usize, _: &Illumination<f64>, out: &mut [Vec<f64>; 3]) {
+        for (list, s) in out.iter_mut().zip(Self::of(light)) {
+            list.fill(s);
+        }
+    }
+}
+
+/// What the equation needs for a line of the OpenGL cases.
+fn prepared(line: &str) -> gl_lights::Prepared<f64> {
+    let case: gl_lights::Case = serde_json::from_str(line).expect("a case");
+    gl_lights::prepare(Isa::detect(), &case).expect("a case")
+}
+
+/// Primary and secondary colour by the plain equation.
+fn plain_answer(
+    given: &gl_lights::Prepared<f64>,
+    lights: &[(&LightSource, [f64; 3])],
+) -> [[f64; 3]; 2] {
+    let at = |list: &[Vec<f64>; 3]| DVec3::new(list[0][0], list[1][0], list[2][0]);
+    let length = given.points.normal_length.first().copied().unwrap_or(1.0);
+    let (v, n) = (
+        at(&given.points.position),
+        at(&given.points.normal) * length,
+    );
+    lit(v, n, &given.material, &given.model, lights)
+}
+
+/// Largest difference between the plain equation and the lanes over the plain cases, relative to the sum of the absolute
+/// values of the terms: in one specular model, lit or with S_L.
+fn plain_against_lanes(text: &str, specular_model: SpecularModel, shadowed: bool) -> f64 {
+    let (mut worst, mut cases) = (0.0f64, 0);
+    for line in text.lines() {
+        let case: Value = serde_json::from_str(line).expect("a case");
+        if case["class"] != "plain" {
+            continue;
+        }
+        cases += 1;
+        let mut given = prepared(line);
+        given.model.specular_model = specular_model;
+        let numbered = given.lights.iter().enumerate();
+        let lights: Vec<_> = numbered
+            .map(|(i, light)| (light, if shadowed { Shadows::of(i) } else { [1.0; 3] }))
+            .collect();
+        let plain = plain_answer(&given, &lights);
+        let mut shadows = Shadows;
+        let hook: Option<&mut dyn Visibility<f64>> =
+            if shadowed { Some(&mut shadows) } else { None };
+        let (first, second) = given.split(hook);
+        let scale = case["magnitude"].as_f64().expect("a number");
+        for (a, b) in plain.iter().flatten().zip(first.iter().chain(&second)) {
+            let error = (a - b).abs();
+            assert!(error.is_finite(), "{line}");
+            worst = worst.max(if error == 0.0 { 0.0 } else { error / scale });
+        }
+    }
+    assert_eq!(cases, 2094);
+    worst
+}
+
+/// `lighting/plain.rs`, the equation to be read, is the equation that is computed.
+#[test]
+fn plain_equation_is_that_of_the_lanes() {
+    let text = reference("gl-lights.jsonl.gz");
+    for specular_model in [SpecularModel::HalfVector, SpecularModel::Reflection] {
+        for shadowed in [false, true] {
+            let worst = plain_against_lanes(&text, specular_model, shadowed);
+            println!("{specular_model:?} shadowed {shadowed}: {worst:e}");
+            assert!(worst < 2e-14, "{specular_model:?} {shadowed}: {worst:e}");
+        }
+    }
+}
+
+/// The plain equation against the reference's own evaluation, also where Mesa differs from the specification.
+#[test]
+fn plain_equation_is_that_of_the_specification() {
+    let text = reference("gl-lights.jsonl.gz");
+    for class in ["plain", "mesa_differs", "f32_range"] {
+        let mut worst = 0.0f64;
+        for line in text.lines() {
+            let case: Value = serde_json::from_str(line).expect("a case");
+            if case["class"] != class {
+                continue;
+            }
+            let given = prepared(line);
+            let lights: Vec<_> = given.lights.iter().map(|light| (light, [1.0; 3])).collect();
+            let [primary, secondary] = plain_answer(&given, &lights);
+            let scale = case["magnitude"].as_f64().expect("a number");
+            for c in 0..3 {
+                for (key, found) in [("primary", primary), ("secondary", secondary)] {
+                    let error = (found[c] - as_f64(&case["spec"][key][c])).abs();
+                    assert!(error.is_finite(), "{line}");
+                    worst = worst.max(if error == 0.0 { 0.0 } else { error / scale });
+                }
+            }
+        }
+        println!("{class}: {worst:e}");
+        assert!(worst < 1e-13, "{class}: {worst:e}");
     }
 }
 

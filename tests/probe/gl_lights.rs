@@ -21,7 +21,7 @@ use super::{Failure, number};
 /// One case; what is left out has OpenGL's default.
 #[derive(Deserialize)]
 #[serde(default)]
-struct Case {
+pub(crate) struct Case {
     id: Value,
     form: Option<String>,
     face: String,
@@ -178,12 +178,13 @@ pub(crate) fn rgb(list: &[f64]) -> [f64; 3] {
 }
 
 /// Everything the equation needs, in eye space.
-struct Prepared<R> {
-    isa: Isa,
-    rig: Rig<R>,
-    material: Material,
-    points: Points<R>,
-    signed: bool,
+pub(crate) struct Prepared<R> {
+    pub(crate) isa: Isa,
+    pub(crate) lights: Vec<LightSource>,
+    pub(crate) model: LightModel,
+    pub(crate) material: Material,
+    pub(crate) points: Points<R>,
+    pub(crate) signed: bool,
 }
 
 /// Answers a line of `gl-lights`.
@@ -246,18 +247,21 @@ pub(crate) fn terms(line: &str) -> Result<Value, Failure> {
 
 impl<R: Real> Prepared<R> {
     fn shade(&self, visibility: Option<&mut dyn Visibility<R>>, sink: Sink<'_, R>) {
-        let Self {
-            isa,
-            rig,
+        let rig = Rig::new(&self.lights, &self.model);
+        let (material, points) = (&self.material, &self.points);
+        shade(
+            self.isa,
+            &rig,
             material,
             points,
-            signed,
-        } = self;
-        shade(*isa, rig, material, points, visibility, *signed, sink);
+            visibility,
+            self.signed,
+            sink,
+        );
     }
 
     /// GL's primary and secondary colour, unclamped.
-    fn split(&self, visibility: Option<&mut dyn Visibility<R>>) -> ([R; 3], [R; 3]) {
+    pub(crate) fn split(&self, visibility: Option<&mut dyn Visibility<R>>) -> ([R; 3], [R; 3]) {
         let (mut first, mut second) = <([Vec<R>; 3], [Vec<R>; 3])>::default();
         self.shade(visibility, Sink::Split(&mut first, &mut second));
         (
@@ -284,7 +288,7 @@ impl Visibility<f64> for Given<'_> {
 }
 
 /// Sets GL's state through the library's context, draws the vertex, and takes it from there as the renderers do.
-fn prepare<R: Real>(isa: Isa, case: &Case) -> Result<Prepared<R>, Failure> {
+pub(crate) fn prepare<R: Real>(isa: Isa, case: &Case) -> Result<Prepared<R>, Failure> {
     let mut scene = record(case)?;
     scene.light_model.specular_model = match case.form.as_deref() {
         None | Some("opengl") => SpecularModel::HalfVector,
@@ -311,7 +315,8 @@ fn prepare<R: Real>(isa: Isa, case: &Case) -> Result<Prepared<R>, Failure> {
     Ok(Prepared {
         isa,
         signed: scene.has_negative_colors(),
-        rig: Rig::new(&scene.lights_eye(), &scene.light_model),
+        lights: scene.lights_eye(),
+        model: scene.light_model,
         material,
         points,
     })

@@ -5,6 +5,7 @@ use crate::frame::LayerIndex;
 use crate::gl;
 use crate::lanes::Real;
 use crate::lighting::{Batch, Sink, Visibility, shade};
+use crate::math::Each;
 use crate::scene::requirements::Feature;
 use crate::trace::branch::{Branch, Path};
 use crate::trace::shadow::Shadows;
@@ -55,7 +56,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             }
         }
         self.batches = batches;
-        let background = self.plan.scene.background().map(R::from_f64);
+        let background = self.plan.scene.background().each(R::from_f64);
         let index = LayerIndex {
             lights: self.plan.lamps.len(),
         };
