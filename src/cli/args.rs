@@ -423,6 +423,14 @@ pub(super) struct ScenesArgs {
     /// Draw all shipped scenes, rasterized and traced, small on one .png
     #[arg(long, value_name = "FILE", conflicts_with_all = ["name", "json"])]
     pub(super) contact_sheet: Option<PathBuf>,
+    /// Samples a pixel of that sheet
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 16,
+        requires = "contact_sheet"
+    )]
+    pub(super) samples: u32,
     /// Print the list as JSON
     #[arg(long)]
     pub(super) json: bool,

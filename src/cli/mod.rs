@@ -176,7 +176,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Trade(args) => trade::trade(args, verbosity),
         Command::Inspect(args) => inspect::inspect(args).map(done),
         Command::Scenes(args) => match &args.contact_sheet {
-            Some(path) => sheet::contact_sheet(path, verbosity).map(done),
+            Some(path) => sheet::contact_sheet(path, args.samples, verbosity).map(done),
             None => commands::scenes(args).map(done),
         },
         Command::Lecture(args) => lecture::lecture(args, verbosity).map(done),

@@ -19,10 +19,8 @@ use super::render::picture;
 const WIDTH: u32 = 186;
 /// Pairs to a row.
 const COLUMNS: usize = 4;
-/// Samples a pixel: small pictures need smooth edges.
-const SAMPLES: u32 = 16;
-
-pub(super) fn contact_sheet(path: &Path, verbosity: Verbosity) -> Result<(), Error> {
+/// Draws the sheet; small pictures need some samples for smooth edges.
+pub(super) fn contact_sheet(path: &Path, samples: u32, verbosity: Verbosity) -> Result<(), Error> {
     if Format::of_path(path)? != Format::Png {
         let message = format!("{}: the sheet is an 8-bit picture", path.display());
         return Err(Error::parameter("--contact-sheet", message).with_help("write a .png"));
@@ -33,7 +31,7 @@ pub(super) fn contact_sheet(path: &Path, verbosity: Verbosity) -> Result<(), Err
     let mut pairs = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.step(i as u64, scene.name);
-        pairs.push((scene, drawn(scene.name)?));
+        pairs.push((scene, drawn(scene.name, samples)?));
     }
     drop(progress);
     let group = |of: &[(&'static Shipped, Picture)]| of[0].0.folder;
@@ -56,13 +54,13 @@ fn panel<'a>((scene, picture): &'a (&Shipped, Picture)) -> Panel<'a> {
 }
 
 /// Both pictures of a scene, in its own shape.
-fn drawn(name: &str) -> Result<Picture, Error> {
+fn drawn(name: &str, samples: u32) -> Result<Picture, Error> {
     let mut imported = load(name, &LoadOptions::default())?;
     let image = &imported.scene.image;
     let height = (WIDTH * image.height / image.width.max(1)).max(1);
     let args = QualityArgs {
         size: Some(format!("{WIDTH}x{height}")),
-        samples: Some(SAMPLES),
+        samples: Some(samples),
         ..QualityArgs::default()
     };
     let options = apply(&args, &mut imported)?;
