@@ -30,7 +30,7 @@ impl<'a> Reader<'a> {
             mesh.colors = colors;
         }
         mesh.triangles = match section.list("indices", "a list of vertex numbers")? {
-            Some(items) => indices(section, items, &mesh.positions)?,
+            Some(items) => indices(section, items, &mut mesh)?,
             None if count.is_multiple_of(3) => {
                 let triangle = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
                 (0..count as u32 / 3).map(triangle).collect()
@@ -62,14 +62,14 @@ pub(super) fn quad(section: &Section<'_>) -> Result<Mesh, Error> {
         return Err(section.error_at("points", message));
     }
     let positions: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
-    let triangles = polygon::triangulate(&[0, 1, 2, 3], |i| positions[i as usize]);
-    let texcoords = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
-    Ok(Mesh {
+    let cut = polygon::triangulate(4, |i| positions[i]);
+    let mut mesh = Mesh {
         positions,
-        texcoords: texcoords.to_vec(),
-        triangles,
+        texcoords: [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec(),
         ..Mesh::default()
-    })
+    };
+    mesh.triangles = cut.add_crossings(&mut mesh, &[0, 1, 2, 3]);
+    Ok(mesh)
 }
 
 fn one_each(section: &Section<'_>, key: &str, found: usize, count: usize) -> Result<(), Error> {
@@ -132,9 +132,9 @@ fn colors(section: &Section<'_>) -> Result<Option<Vec<[f64; 4]>>, Error> {
 fn indices(
     section: &Section<'_>,
     items: &[Node],
-    positions: &[DVec3],
+    mesh: &mut Mesh,
 ) -> Result<Vec<[u32; 3]>, Error> {
-    let count = positions.len();
+    let count = mesh.positions.len();
     let corner = |node: &Node| match count.checked_sub(1) {
         Some(last) => section.integer_of("indices", node, 0, last as u32),
         None => Err(section.error_at("positions", "expected at least three")),
@@ -150,7 +150,8 @@ fn indices(
                 return Err(section.mismatch("indices", node, expected));
             }
             let face: Vec<u32> = face.iter().map(corner).collect::<Result<_, _>>()?;
-            triangles.extend(polygon::triangulate(&face, |i| positions[i as usize]));
+            let cut = polygon::triangulate(face.len(), |i| mesh.positions[face[i] as usize]);
+            triangles.extend(cut.add_crossings(mesh, &face));
         }
         return Ok(triangles);
     }
