@@ -4,10 +4,16 @@
 mod broken;
 #[path = "import/include.rs"]
 mod include;
+#[path = "import/lines.rs"]
+mod lines;
 #[path = "import/mesh.rs"]
 mod mesh;
 #[path = "import/mutate.rs"]
 mod mutate;
+#[path = "import/names.rs"]
+mod names;
+#[path = "import/polygons.rs"]
+mod polygons;
 #[path = "import/schema.rs"]
 mod schema;
 #[path = "import/scn.rs"]

@@ -2,6 +2,8 @@
 
 #[path = "metrics/diff.rs"]
 mod diff;
+#[path = "metrics/kinds.rs"]
+mod kinds;
 #[path = "metrics/layers.rs"]
 mod layers;
 #[path = "metrics/pictures.rs"]
