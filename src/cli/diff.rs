@@ -194,7 +194,10 @@ fn exceeded(args: &DiffArgs, summary: &DiffSummary) -> Vec<String> {
         && found.differing > 0
         && args.max_error.is_none()
     {
-        let what = format!("{} pixels hold NaN or infinity in one picture only", found.differing);
+        let what = format!(
+            "{} pixels hold NaN or infinity in one picture only",
+            found.differing
+        );
         lines.push(format!("over a threshold of {asked}: {what}"));
     }
     // Without a PSNR the pictures are the same, and nothing asks for more.

@@ -85,9 +85,14 @@ impl Doubts {
             (message, first)
         });
         let too_many = self.too_many.map(|(count, first)| {
-            let faces = if count == 1 { "a face crosses itself".to_owned() } else { format!("{count} faces cross themselves") };
+            let faces = if count == 1 {
+                "a face crosses itself".to_owned()
+            } else {
+                format!("{count} faces cross themselves")
+            };
             let most = crossed::MAX_CROSSINGS;
-            let message = format!("{faces} more than {most} times: drawn as a fan, which may cover more");
+            let message =
+                format!("{faces} more than {most} times: drawn as a fan, which may cover more");
             (message, first)
         });
         crossed.into_iter().chain(too_many).collect()
@@ -210,10 +215,7 @@ fn cross(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 /// The sign of [`cross`]; 0 where rounding leaves it open (Shewchuk 1997, the first bound of orient2d).
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     const BOUND: f64 = (3.0 + 16.0 * (f64::EPSILON / 2.0)) * (f64::EPSILON / 2.0);
-    let (left, right) = (
-        (a.x - c.x) * (b.y - c.y),
-        (a.y - c.y) * (b.x - c.x),
-    );
+    let (left, right) = ((a.x - c.x) * (b.y - c.y), (a.y - c.y) * (b.x - c.x));
     let det = left - right;
     if det.abs() > BOUND * (left.abs() + right.abs()) {
         det.signum()

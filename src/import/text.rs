@@ -66,15 +66,23 @@ impl Home {
     /// spelling is another than the text's.
     pub(crate) fn find(&self, folder: &str, name: &[u8]) -> Option<(PathBuf, bool)> {
         let name = unquoted(name);
-        let slashes: Vec<u8> = name.iter().map(|b| if *b == b'\\' { b'/' } else { *b }).collect();
+        let slashes: Vec<u8> = name
+            .iter()
+            .map(|b| if *b == b'\\' { b'/' } else { *b })
+            .collect();
         let last = slashes.rsplit(|b| *b == b'/').next().unwrap_or(&slashes);
         let spellings = [(name, false), (&slashes[..], true), (last, true)];
         let paths = spellings.iter().flat_map(|(spelling, other)| {
-            let known = [path_of_bytes(spelling), decode(spelling).into_owned().into()];
+            let known = [
+                path_of_bytes(spelling),
+                decode(spelling).into_owned().into(),
+            ];
             known.map(|path| (Path::new(folder).join(path), *other && spelling != &name))
         });
         let empty = |path: &Path| path.file_name().is_none();
-        let found = paths.clone().find(|(path, _)| !empty(path) && self.has(path));
+        let found = paths
+            .clone()
+            .find(|(path, _)| !empty(path) && self.has(path));
         found.or_else(|| {
             let mut paths = paths.filter(|(path, _)| !empty(path));
             paths.find_map(|(path, _)| Some((self.ignoring_case(&path)?, true)))
@@ -185,7 +193,11 @@ pub(crate) fn from_utf16(bytes: &[u8]) -> Option<String> {
         false => u16::from_be_bytes([b[0], b[1]]),
     };
     let units = bytes[start..].chunks_exact(2).map(unit);
-    Some(char::decode_utf16(units).map(|c| c.unwrap_or('\u{fffd}')).collect())
+    Some(
+        char::decode_utf16(units)
+            .map(|c| c.unwrap_or('\u{fffd}'))
+            .collect(),
+    )
 }
 
 /// The bytes of a file of a scene, of at most `limit` bytes.
@@ -277,8 +289,8 @@ pub(crate) fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, Error> {
 pub(crate) fn plain(name: &str, mut bytes: Vec<u8>) -> Result<String, Error> {
     check_text(name, &bytes)?;
     end_lines(&mut bytes);
-    let mut text = String::from_utf8(bytes)
-        .unwrap_or_else(|error| decode(error.as_bytes()).into_owned());
+    let mut text =
+        String::from_utf8(bytes).unwrap_or_else(|error| decode(error.as_bytes()).into_owned());
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }

@@ -54,30 +54,110 @@ fn figures() -> Vec<(&'static str, Vec<(f64, f64)>, bool)> {
     let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let with = |more: &[(f64, f64)]| [&square[..], more].concat();
     vec![
-        ("a spike outwards", vec![(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (1.0, 1.8), (1.0, 1.0), (-1.0, 1.0)], false),
-        ("a slanted spike", vec![(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (1.7, 1.9), (1.0, 1.0), (-1.0, 1.0)], false),
+        (
+            "a spike outwards",
+            vec![
+                (-1.0, -1.0),
+                (1.0, -1.0),
+                (1.0, 1.0),
+                (1.0, 1.8),
+                (1.0, 1.0),
+                (-1.0, 1.0),
+            ],
+            false,
+        ),
+        (
+            "a slanted spike",
+            vec![
+                (-1.0, -1.0),
+                (1.0, -1.0),
+                (1.0, 1.0),
+                (1.7, 1.9),
+                (1.0, 1.0),
+                (-1.0, 1.0),
+            ],
+            false,
+        ),
         ("a spike inwards", with(&[(0.0, 0.0), (-1.0, 1.0)]), false),
         (
             "two holes from one corner",
             with(&[
-                (-1.0, -1.0), (-0.2, -0.6), (0.6, -0.8), (0.5, -0.4), (-0.2, -0.6),
-                (-1.0, -1.0), (-0.8, 0.1), (-0.5, 0.7), (-0.3, 0.0), (-0.8, 0.1),
+                (-1.0, -1.0),
+                (-0.2, -0.6),
+                (0.6, -0.8),
+                (0.5, -0.4),
+                (-0.2, -0.6),
+                (-1.0, -1.0),
+                (-0.8, 0.1),
+                (-0.5, 0.7),
+                (-0.3, 0.0),
+                (-0.8, 0.1),
             ]),
             false,
         ),
         (
             "a hole on a hole",
             with(&[
-                (-1.0, -1.0), (-0.5, -0.5), (-0.5, 0.0), (0.0, 0.0), (0.25, 0.5), (0.5, 0.25), (0.0, 0.0),
-                (0.0, -0.5), (-0.5, -0.5),
+                (-1.0, -1.0),
+                (-0.5, -0.5),
+                (-0.5, 0.0),
+                (0.0, 0.0),
+                (0.25, 0.5),
+                (0.5, 0.25),
+                (0.0, 0.0),
+                (0.0, -0.5),
+                (-0.5, -0.5),
             ]),
             false,
         ),
-        ("two squares at a corner", vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (-1.0, 0.0), (-1.0, -1.0), (0.0, -1.0)], false),
-        ("a hole on the edge's corner", vec![(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (1.0, 1.0), (-1.0, 1.0)], true),
-        ("an equal bow tie", vec![(-1.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0)], true),
-        ("an unequal bow tie", vec![(-1.0, -1.0), (1.0, 0.5), (1.0, -1.0), (-0.5, 1.0)], true),
-        ("a pentagram", (0..5).map(|k| { let a = 0.1 + f64::from(k) * 2.513_274_122_871_834_5; (a.cos(), a.sin()) }).collect(), true),
+        (
+            "two squares at a corner",
+            vec![
+                (0.0, 0.0),
+                (1.0, 0.0),
+                (1.0, 1.0),
+                (0.0, 1.0),
+                (0.0, 0.0),
+                (-1.0, 0.0),
+                (-1.0, -1.0),
+                (0.0, -1.0),
+            ],
+            false,
+        ),
+        (
+            "a hole on the edge's corner",
+            vec![
+                (-1.0, -1.0),
+                (1.0, -1.0),
+                (1.0, 1.0),
+                (0.5, 0.0),
+                (-0.5, 0.0),
+                (0.0, 0.5),
+                (1.0, 1.0),
+                (-1.0, 1.0),
+            ],
+            true,
+        ),
+        (
+            "an equal bow tie",
+            vec![(-1.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0)],
+            true,
+        ),
+        (
+            "an unequal bow tie",
+            vec![(-1.0, -1.0), (1.0, 0.5), (1.0, -1.0), (-0.5, 1.0)],
+            true,
+        ),
+        (
+            "a pentagram",
+            (0..5)
+                .map(|k| {
+                    let a = 0.1 + f64::from(k) * 2.513_274_122_871_834_5;
+                    (a.cos(), a.sin())
+                })
+                .collect(),
+            true,
+        ),
         ("twice round", [square, square].concat(), true),
     ]
 }
@@ -92,7 +172,11 @@ fn what_the_outline_goes_round_is_covered() {
             for i in 0..61 {
                 for j in 0..61 {
                     // Off the edges, which have round numbers.
-                    let place = DVec3::new(f64::from(i) / 29.3 - 1.0417, f64::from(j) / 29.7 - 1.0291, 0.0);
+                    let place = DVec3::new(
+                        f64::from(i) / 29.3 - 1.0417,
+                        f64::from(j) / 29.7 - 1.0291,
+                        0.0,
+                    );
                     let expected = usize::from(winding(&points, place) != 0);
                     wrong += usize::from(cover(mesh, place) != expected);
                 }
@@ -104,9 +188,16 @@ fn what_the_outline_goes_round_is_covered() {
                 cross(a, b, c)
             };
             let signs: Vec<f64> = mesh.triangles.iter().map(sign).collect();
-            assert!(signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0), "{name}");
+            assert!(
+                signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0),
+                "{name}"
+            );
             if name != "a hole on the edge's corner" {
-                assert_eq!(notes(&found).contains("crosses or covers itself"), crosses, "{name} from {start}");
+                assert_eq!(
+                    notes(&found).contains("crosses or covers itself"),
+                    crosses,
+                    "{name} from {start}"
+                );
             }
         }
     }
@@ -119,20 +210,41 @@ fn new_corners_have_what_lies_between() {
                 f 1/1/1 2/2/2 3/3/1 4/4/2\n";
     let found = load_text("a.obj", text, &[]).unwrap();
     let mesh = mesh_of(&found.scene, 0);
-    let new = mesh.positions.iter().position(|p| *p == DVec3::ZERO).unwrap();
+    let new = mesh
+        .positions
+        .iter()
+        .position(|p| *p == DVec3::ZERO)
+        .unwrap();
     assert_eq!(mesh.normals[new], DVec3::Z);
-    assert_eq!((mesh.texcoords[new].x, mesh.texcoords[new].y), (0.5, if mesh.texcoords[new].y == 0.0 { 0.0 } else { 1.0 }));
+    assert_eq!(
+        (mesh.texcoords[new].x, mesh.texcoords[new].y),
+        (
+            0.5,
+            if mesh.texcoords[new].y == 0.0 {
+                0.0
+            } else {
+                1.0
+            }
+        )
+    );
     assert_eq!(mesh.triangles.len(), 2);
     // The same in OFF and in a scene file.
     let off = "OFF\n4 1 0\n-1 -1 0\n1 1 0\n1 -1 0\n-1 1 0\n4 0 1 2 3\n";
-    let files = [("a.scn", &b"mesh -1 m.off\n"[..]), ("m.off", off.as_bytes())];
+    let files = [
+        ("a.scn", &b"mesh -1 m.off\n"[..]),
+        ("m.off", off.as_bytes()),
+    ];
     let found = load_files(&files, &[]).unwrap();
     assert_eq!(mesh_of(&found.scene, 0).positions[4], DVec3::ZERO);
     assert!(notes(&found).contains("crosses or covers itself"));
     let toml = "[object.a]\npositions = [[-1, -1, 0], [1, 1, 0], [1, -1, 0], [-1, 1, 0]]\nindices = [[0, 1, 2, 3]]\n";
     let found = load_text("a.toml", toml, &[]).unwrap();
     assert_eq!(mesh_of(&found.scene, 0).positions[4], DVec3::ZERO);
-    assert!(notes(&found).contains("crosses or covers itself"), "{}", notes(&found));
+    assert!(
+        notes(&found).contains("crosses or covers itself"),
+        "{}",
+        notes(&found)
+    );
 }
 
 #[test]
@@ -180,13 +292,21 @@ fn normals_that_cancel_are_the_faces_own() {
                 assert!(own.z < 0.0 || normal == own, "{faces} {i}: {normal}");
             }
         }
-        assert!(notes(&found).contains("normals of a smoothing group cancel"), "{}", notes(&found));
+        assert!(
+            notes(&found).contains("normals of a smoothing group cancel"),
+            "{}",
+            notes(&found)
+        );
     }
     // Turned and far away, what is left of them is rounding.
     let turned = "v 1000.1 7.3 -2.7\nv 1000.9 8.1 -2.2\nv 1000.4 8.8 -1.3\nv 999.6 8.0 -1.8\ns 1\nf 1 2 3 4\nf 3 2 1 4\n";
     let found = load_text("a.obj", turned, &[]).unwrap();
     let mesh = mesh_of(&found.scene, 0);
-    let longest = mesh.normals.iter().map(|n| n.length()).fold(f64::INFINITY, f64::min);
+    let longest = mesh
+        .normals
+        .iter()
+        .map(|n| n.length())
+        .fold(f64::INFINITY, f64::min);
     assert!((longest - 1.0).abs() < 1e-12);
     assert!(notes(&found).contains("normals of a smoothing group cancel"));
 }

@@ -7,7 +7,12 @@ use rastray::report::diff::{Diff, Options, Which};
 
 /// 3 x 2 RGBE pixels: 1 2 3 over 4 5 6 in red, halves of them in green, 0 in blue.
 const PIXELS: [[u8; 4]; 6] = [
-    [32, 16, 0, 130], [64, 32, 0, 130], [96, 48, 0, 130], [128, 64, 0, 130], [160, 80, 0, 130], [192, 96, 0, 130],
+    [32, 16, 0, 130],
+    [64, 32, 0, 130],
+    [96, 48, 0, 130],
+    [128, 64, 0, 130],
+    [160, 80, 0, 130],
+    [192, 96, 0, 130],
 ];
 
 fn hdr(header: &str, resolution: &str, pixels: &[[u8; 4]]) -> Vec<u8> {
@@ -28,7 +33,11 @@ fn reds(file: &PictureFile) -> String {
 }
 
 fn notes(file: &PictureFile) -> String {
-    file.notes.iter().map(|n| n.message.clone()).collect::<Vec<_>>().join("\n")
+    file.notes
+        .iter()
+        .map(|n| n.message.clone())
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 fn refused(bytes: &[u8], layer: Option<&str>) -> (String, String) {
@@ -44,8 +53,14 @@ fn hdr_exposure_is_divided_out() {
         ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe", [1.0, 1.0, 1.0]),
         ("#?RGBE\nFORMAT=32-bit_rle_rgbe", [1.0, 1.0, 1.0]),
         ("#?RGBE", [1.0, 1.0, 1.0]),
-        ("#?RADIANCE\nEXPOSURE=4\nFORMAT=32-bit_rle_rgbe", [4.0, 4.0, 4.0]),
-        ("#?RADIANCE\nEXPOSURE=2.0\n# x\nFORMAT=32-bit_rle_rgbe\nEXPOSURE= 0.25", [0.5, 0.5, 0.5]),
+        (
+            "#?RADIANCE\nEXPOSURE=4\nFORMAT=32-bit_rle_rgbe",
+            [4.0, 4.0, 4.0],
+        ),
+        (
+            "#?RADIANCE\nEXPOSURE=2.0\n# x\nFORMAT=32-bit_rle_rgbe\nEXPOSURE= 0.25",
+            [0.5, 0.5, 0.5],
+        ),
         ("#?RADIANCE\nCOLORCORR= 2 4 8\nEXPOSURE=2", [4.0, 8.0, 16.0]),
     ] {
         for header in [header.to_owned(), header.replace('\n', "\r\n")] {
@@ -55,10 +70,21 @@ fn hdr_exposure_is_divided_out() {
                 let expected = [red / factors[0], red / 2.0 / factors[1], 0.0].map(|x| x as f32);
                 assert_eq!(*pixel, expected, "{header}");
             }
-            assert_eq!(notes(&file).contains("exposure"), factors[0] != 1.0, "{header}");
+            assert_eq!(
+                notes(&file).contains("exposure"),
+                factors[0] != 1.0,
+                "{header}"
+            );
         }
     }
-    assert!(decode("a", &hdr("#?RADIANCE\nEXPOSURE=0", "-Y 2 +X 3", &PIXELS), None).is_err());
+    assert!(
+        decode(
+            "a",
+            &hdr("#?RADIANCE\nEXPOSURE=0", "-Y 2 +X 3", &PIXELS),
+            None
+        )
+        .is_err()
+    );
 }
 
 #[test]
@@ -87,7 +113,9 @@ fn hdr_axes_go_either_way() {
 fn hdr_runs_are_of_two_kinds() {
     // New: a run of 8 in red, bytes in green, runs in blue and the exponent.
     let mut new = b"#?RADIANCE\n\n-Y 1 +X 8\n\x02\x02\x00\x08".to_vec();
-    new.extend([136, 128, 8, 1, 2, 3, 4, 5, 6, 7, 8, 132, 0, 132, 9, 136, 136]);
+    new.extend([
+        136, 128, 8, 1, 2, 3, 4, 5, 6, 7, 8, 132, 0, 132, 9, 136, 136,
+    ]);
     let file = read(&new);
     let green: Vec<f32> = file.pixels.data.iter().map(|p| p[1]).collect();
     assert_eq!(green, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
@@ -99,8 +127,14 @@ fn hdr_runs_are_of_two_kinds() {
     for cut in 30..new.len() {
         assert!(decode("a", &new[..cut], None).is_err());
     }
-    let (message, help) = refused(&hdr("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 2 +X 3", &PIXELS), None);
-    assert!(message.contains("XYZ") && help.contains("convert"), "{message}");
+    let (message, help) = refused(
+        &hdr("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 2 +X 3", &PIXELS),
+        None,
+    );
+    assert!(
+        message.contains("XYZ") && help.contains("convert"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -108,16 +142,36 @@ fn bitmaps_may_have_ten_bits() {
     for (masks, down) in [
         ([0x3ff0_0000u32, 0x000f_fc00, 0x0000_03ff], true),
         ([0x0000_03ff, 0x000f_fc00, 0x3ff0_0000], false),
-        ([0xffc0_0000, 0x003f_f800, 0x0000_07fe], true),
+        ([0xffc0_0000, 0x003f_f000, 0x0000_07fe], true),
     ] {
-        let values = [[0u32, 1023, 512], [1, 2, 3], [341, 682, 1000], [1023, 0, 77]];
+        let values = [
+            [0u32, 1023, 512],
+            [1, 2, 3],
+            [341, 682, 1000],
+            [1023, 0, 77],
+        ];
         let mut bytes = b"BM".to_vec();
         let height: i32 = if down { -2 } else { 2 };
-        for word in [70, 0, 66, 40, 2, height as u32, 0x0020_0001, 3, 16, 0, 0, 0, 0] {
+        for word in [
+            70,
+            0,
+            66,
+            40,
+            2,
+            height as u32,
+            0x0020_0001,
+            3,
+            16,
+            0,
+            0,
+            0,
+            0,
+        ] {
             bytes.extend(u32::to_le_bytes(word));
         }
         bytes.extend(masks.iter().flat_map(|m| m.to_le_bytes()));
-        let place = |v: &[u32; 3]| -> u32 { (0..3).map(|c| v[c] << masks[c].trailing_zeros()).sum() };
+        let place =
+            |v: &[u32; 3]| -> u32 { (0..3).map(|c| v[c] << masks[c].trailing_zeros()).sum() };
         let rows: Vec<u32> = values.iter().map(place).collect();
         let order = if down { [0, 1, 2, 3] } else { [2, 3, 0, 1] };
         bytes.extend(order.iter().flat_map(|i| rows[*i].to_le_bytes()));
@@ -142,7 +196,10 @@ fn headers_may_end_with_two_bytes() {
         let first = file.pixels.data[0].map(|v| (v * 255.0).round() as u8);
         assert_eq!(first, [10, 13, 10], "{header:?}");
     }
-    let values: Vec<u8> = [1.5f32, -2.0, 3.25].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let values: Vec<u8> = [1.5f32, -2.0, 3.25]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
     let file = read(&[&b"PF\r\n1 1\r\n-1.0\r\n"[..], &values].concat());
     assert_eq!(file.pixels.data, [[1.5, -2.0, 3.25]]);
     let file = read(&[&b"P5\r\n1 2\r\n65535\r\n"[..], &[1, 0, 0, 1]].concat());
@@ -158,7 +215,10 @@ fn exif(number: u8) -> Vec<u8> {
 
 #[test]
 fn exif_orientation_is_noted_and_followed() {
-    let expected = ["", "123/456", "321/654", "654/321", "456/123", "14/25/36", "41/52/63", "63/52/41", "36/25/14"];
+    let expected = [
+        "", "123/456", "321/654", "654/321", "456/123", "14/25/36", "41/52/63", "63/52/41",
+        "36/25/14",
+    ];
     for number in 1..=8u8 {
         let mut bytes = Vec::new();
         let mut info = png::Info::with_size(3, 2);
@@ -167,9 +227,14 @@ fn exif_orientation_is_noted_and_followed() {
         info.exif_metadata = Some(exif(number).into());
         let encoder = png::Encoder::with_info(&mut bytes, info).expect("an encoder");
         let mut writer = encoder.write_header().expect("a header");
-        writer.write_image_data(&[1, 2, 3, 4, 5, 6]).expect("pixels");
+        writer
+            .write_image_data(&[1, 2, 3, 4, 5, 6])
+            .expect("pixels");
         writer.finish().expect("an end");
-        let options = |orient| ReadOptions { orient, ..ReadOptions::default() };
+        let options = |orient| ReadOptions {
+            orient,
+            ..ReadOptions::default()
+        };
         for orient in [false, true] {
             let mut file = decode_with("a.png", &bytes, options(orient)).expect("a picture");
             file.pixels = file.pixels.map(|p| p.map(|v| (v * 255.0).round()));
@@ -182,13 +247,17 @@ fn exif_orientation_is_noted_and_followed() {
     // A JPEG with the same data behind its first mark.
     let grey = image::GrayImage::from_fn(16, 8, |x, _| image::Luma([if x < 8 { 0 } else { 255 }]));
     let mut plain = std::io::Cursor::new(Vec::new());
-    grey.write_to(&mut plain, image::ImageFormat::Jpeg).expect("a JPEG");
+    grey.write_to(&mut plain, image::ImageFormat::Jpeg)
+        .expect("a JPEG");
     let data = [&b"Exif\0\0"[..], &exif(6)].concat();
     let mut bytes = b"\xff\xd8\xff\xe1".to_vec();
     bytes.extend((data.len() as u16 + 2).to_be_bytes());
     bytes.extend(&data);
     bytes.extend(&plain.into_inner()[2..]);
-    let options = ReadOptions { orient: true, ..ReadOptions::default() };
+    let options = ReadOptions {
+        orient: true,
+        ..ReadOptions::default()
+    };
     let file = decode_with("a.jpg", &bytes, options).expect("a picture");
     assert_eq!((file.pixels.width, file.pixels.height), (8, 16));
     assert!(file.pixels.data[0][0] < 0.1 && file.pixels.data[127][0] > 0.9);
@@ -198,14 +267,19 @@ fn exif_orientation_is_noted_and_followed() {
 fn parts(parts: &[(&str, &str, &[(&str, f32)])]) -> Vec<u8> {
     use exr::prelude::*;
     let layers = parts.iter().map(|(name, view, channels)| {
-        let channels = channels.iter().map(|(name, value)| {
-            AnyChannel::new(*name, FlatSamples::F32(vec![*value; 6]))
-        });
+        let channels = channels
+            .iter()
+            .map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value; 6])));
         let mut attributes = LayerAttributes::named(*name);
         if !view.is_empty() {
             attributes.view_name = Some(Text::from(*view));
         }
-        Layer::new((3, 2), attributes, Encoding::UNCOMPRESSED, AnyChannels::sort(channels.collect()))
+        Layer::new(
+            (3, 2),
+            attributes,
+            Encoding::UNCOMPRESSED,
+            AnyChannels::sort(channels.collect()),
+        )
     });
     let layers: Vec<_> = layers.collect();
     let size = IntegerBounds::from_dimensions((3, 2));
@@ -239,12 +313,23 @@ fn exr_parts_and_views_are_layers() {
         assert_eq!(first(layer).expect("a picture"), expected, "{layer:?}");
     }
     let file = read(&bytes);
-    assert!(notes(&file).contains("of its 3 parts, beauty is taken; --layer chooses: depth, second"), "{}", notes(&file));
+    assert!(
+        notes(&file).contains("of its 3 parts, beauty is taken; --layer chooses: depth, second"),
+        "{}",
+        notes(&file)
+    );
     let (_, help) = refused(&bytes, Some("middle"));
-    assert!(help.contains("depth, beauty, left, second, right, spot"), "{help}");
+    assert!(
+        help.contains("depth, beauty, left, second, right, spot"),
+        "{help}"
+    );
     // Some of the colours.
     for (channels, expected, note) in [
-        (&[("R", 1.5f32), ("G", 2.5)][..], [1.5, 2.5, 0.0], "no channel B"),
+        (
+            &[("R", 1.5f32), ("G", 2.5)][..],
+            [1.5, 2.5, 0.0],
+            "no channel B",
+        ),
         (&[("G", 2.5)], [0.0, 2.5, 0.0], "no channel R and no B"),
         (&[("Y", 0.5)], [0.5; 3], ""),
     ] {
@@ -260,17 +345,31 @@ fn exr_luminance_and_chroma_are_colours() {
     let [r, g, b] = [0.2f64, 0.4, 0.8];
     let y = 0.212639 * r + 0.715169 * g + 0.072192 * b;
     let (ry, by) = ((r - y) / y, (b - y) / y);
-    let file = read(&parts(&[("", "", &[("Y", y as f32), ("RY", ry as f32), ("BY", by as f32)])]));
+    let file = read(&parts(&[(
+        "",
+        "",
+        &[("Y", y as f32), ("RY", ry as f32), ("BY", by as f32)],
+    )]));
     for (found, expected) in file.pixels.data[3].iter().zip([r, g, b]) {
-        assert!((f64::from(*found) - expected).abs() < 1e-5, "{:?}", file.pixels.data[3]);
+        assert!(
+            (f64::from(*found) - expected).abs() < 1e-5,
+            "{:?}",
+            file.pixels.data[3]
+        );
     }
     // The same with chroma of every other pixel, written by hand: 4 x 4, no compression.
     let attribute = |name: &str, kind: &str, value: &[u8]| {
         let size = (value.len() as u32).to_le_bytes();
         [name.as_bytes(), b"\0", kind.as_bytes(), b"\0", &size, value].concat()
     };
-    let words = |values: &[i32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
-    let channel = |name: &str, step: i32| [name.as_bytes(), b"\0", &words(&[2, 0, step, step])].concat();
+    let words = |values: &[i32]| {
+        values
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let channel =
+        |name: &str, step: i32| [name.as_bytes(), b"\0", &words(&[2, 0, step, step])].concat();
     let window = words(&[0, 0, 3, 3]);
     let mut bytes = b"\x76\x2f\x31\x01\x02\0\0\0".to_vec();
     let channels = [channel("BY", 2), channel("RY", 2), channel("Y", 1), vec![0]].concat();
@@ -286,7 +385,11 @@ fn exr_luminance_and_chroma_are_colours() {
     bytes.extend([0; 32]); // offsets, which nothing needs
     for line in 0..4 {
         let samples = |value: f64, n: usize| vec![(value as f32).to_le_bytes(); n].concat();
-        let chroma = if line % 2 == 0 { [samples(by, 2), samples(ry, 2)].concat() } else { Vec::new() };
+        let chroma = if line % 2 == 0 {
+            [samples(by, 2), samples(ry, 2)].concat()
+        } else {
+            Vec::new()
+        };
         let data = [chroma, samples(y, 4)].concat();
         bytes.extend(words(&[line, data.len() as i32]));
         bytes.extend(data);
@@ -302,10 +405,19 @@ fn exr_luminance_and_chroma_are_colours() {
         assert!(decode("a", &bytes[..cut], None).is_err(), "{cut}");
     }
     // PIZ.
-    let at = bytes.windows(12).position(|w| w == b"compression\0").expect("it is there") + 12 + 12 + 4;
+    let at = bytes
+        .windows(12)
+        .position(|w| w == b"compression\0")
+        .expect("it is there")
+        + 12
+        + 12
+        + 4;
     bytes[at] = 4;
     let (message, help) = refused(&bytes, None);
-    assert!(message.contains("compression") && help.contains("ZIP"), "{message} {help}");
+    assert!(
+        message.contains("compression") && help.contains("ZIP"),
+        "{message} {help}"
+    );
 }
 
 #[test]
@@ -313,7 +425,28 @@ fn what_is_not_read_is_called_that() {
     let bmp = |compression: u8| {
         let mut bytes = b"BM".to_vec();
         bytes.extend([0; 12]);
-        bytes.extend([40, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 24, 0, compression, 0, 0, 0]);
+        bytes.extend([
+            40,
+            0,
+            0,
+            0,
+            1,
+            0,
+            0,
+            0,
+            1,
+            0,
+            0,
+            0,
+            1,
+            0,
+            24,
+            0,
+            compression,
+            0,
+            0,
+            0,
+        ]);
         bytes.extend([0; 40]);
         bytes
     };
@@ -336,7 +469,10 @@ fn what_is_not_read_is_called_that() {
     ] {
         let (message, help) = refused(&bytes, None);
         assert!(message.contains(what), "{message}");
-        assert!(message.contains("not read") && !message.contains("broken"), "{message}");
+        assert!(
+            message.contains("not read") && !message.contains("broken"),
+            "{message}"
+        );
         assert!(help.contains("PNG"), "{help}");
     }
 }
@@ -348,9 +484,15 @@ fn pfm(values: &[f32]) -> Vec<u8> {
 }
 
 fn diff(a: &[u8], b: &[u8], decoded: Option<Which>) -> Diff {
-    let options = ReadOptions { non_finite: true, ..ReadOptions::default() };
+    let options = ReadOptions {
+        non_finite: true,
+        ..ReadOptions::default()
+    };
     let [a, b] = [a, b].map(|bytes| decode_with("a", bytes, options).expect("a picture"));
-    let options = Options { ppd: 67.02, decode: decoded };
+    let options = Options {
+        ppd: 67.02,
+        decode: decoded,
+    };
     Diff::new(a, b, options, String::new()).expect("a comparison")
 }
 
@@ -368,7 +510,10 @@ fn values_that_are_not_finite_are_counted() {
         let found = diff(&a, &b, None).summary;
         let counted = found.non_finite.expect("counts");
         assert_eq!([counted.a, counted.b, counted.differing], counts);
-        assert_eq!((found.pixels_differing, found.metrics.max), (differing, max));
+        assert_eq!(
+            (found.pixels_differing, found.metrics.max),
+            (differing, max)
+        );
         assert!(found.verdict().contains("NaN"), "{}", found.verdict());
     }
     let fine = pfm(&[0.5, 0.25]);
@@ -382,7 +527,13 @@ fn decoding_reaches_flip() {
         bytes.extend((0..512).map(|i| (f(i) * 255.0).round() as u8));
         bytes
     };
-    let srgb = |x: f64| if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    let srgb = |x: f64| {
+        if x <= 0.003_130_8 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
+        }
+    };
     let light = |i: usize| i as f64 / 511.0;
     let (linear, encoded) = (pgm(&light), pgm(&|i| srgb(light(i))));
     let mean = |d: &Diff| d.summary.metrics.flip.mean;

@@ -84,7 +84,9 @@ fn quad(section: &Section<'_>) -> Result<(Mesh, Doubts), Error> {
     let cut = polygon::triangulate(4, |i| positions[i]);
     let mut mesh = Mesh {
         positions,
-        texcoords: [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec(),
+        texcoords: [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+            .map(DVec2::from)
+            .to_vec(),
         ..Mesh::default()
     };
     mesh.triangles = cut.add_crossings(&mut mesh, &[0, 1, 2, 3]);

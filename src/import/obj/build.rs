@@ -309,7 +309,8 @@ impl Builder<'_> {
                 if number_of[index] == NONE {
                     let crossing = &cut.crossings[index];
                     let at = at(i);
-                    number_of[index] = self.new_corner(part, attributes, first, crossing, at, normal);
+                    number_of[index] =
+                        self.new_corner(part, attributes, first, crossing, at, normal);
                 }
                 number_of[index]
             });
@@ -371,7 +372,11 @@ impl Builder<'_> {
         match (given, group(attributes, self.smooth)) {
             (Some(normal), _) if normal != NONE => Origin::File(normal),
             (_, 0) => Origin::None,
-            (_, group) if self.smoothed.cancels(self.scan.corners[corner as usize], group) => {
+            (_, group)
+                if self
+                    .smoothed
+                    .cancels(self.scan.corners[corner as usize], group) =>
+            {
                 Origin::None
             }
             (_, group) => Origin::Group(group),
@@ -434,13 +439,7 @@ impl Builder<'_> {
     }
 
     /// Adds a vertex to a part's mesh.
-    fn push(
-        &mut self,
-        part: u32,
-        position: DVec3,
-        texcoord: Option<DVec2>,
-        normal: DVec3,
-    ) -> u32 {
+    fn push(&mut self, part: u32, position: DVec3, texcoord: Option<DVec2>, normal: DVec3) -> u32 {
         let with_texcoords = !self.scan.corner_texcoords.is_empty();
         let part = &mut self.parts[part as usize];
         part.mesh.positions.push(position);

@@ -96,7 +96,7 @@ impl Scanner<'_> {
                 items().find(fits).filter(|u| !u.infinite || keyword == "v")
             };
             let known: HashSet<u32> = items().map(|u| u.index).collect();
-            let mut used = list.iter().filter(|index| known.contains(index));
+            let mut used = list.iter().filter(|index| known.contains(*index));
             if let Some(needed) = used.find_map(strict) {
                 return Err(self.wrong(&needed.wrong));
             }
@@ -121,7 +121,11 @@ impl Scanner<'_> {
             self.scan.notes.push(Note { place, message });
         }
         if let Some((count, span)) = self.scan.stray.take() {
-            let many = if count > 1 { format!(" ({count} times)") } else { String::new() };
+            let many = if count > 1 {
+                format!(" ({count} times)")
+            } else {
+                String::new()
+            };
             let message = format!(
                 "the `\\` at the end of this line does not join the next one to it, which is a statement of its own{many}"
             );

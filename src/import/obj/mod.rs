@@ -272,7 +272,9 @@ impl Libraries<'_> {
             let index = self.entries.len();
             let message = match self.names.get(&entry.name) {
                 Some(old) if old < before => {
-                    format!("material {name} is in a library before this one, too; that one is used")
+                    format!(
+                        "material {name} is in a library before this one, too; that one is used"
+                    )
                 }
                 old => {
                     self.names.insert(&entry.name, index);
@@ -296,7 +298,13 @@ fn quoted_words(text: &[u8]) -> Vec<&[u8]> {
     let mut rest = text.trim_ascii();
     while let Some(first) = rest.first() {
         let quoted = *first == b'"' && rest[1..].contains(first);
-        let ends = |b: &u8| if quoted { b == first } else { b.is_ascii_whitespace() };
+        let ends = |b: &u8| {
+            if quoted {
+                b == first
+            } else {
+                b.is_ascii_whitespace()
+            }
+        };
         let start = usize::from(quoted);
         let length = rest[start..].iter().position(ends);
         let end = length.map_or(rest.len(), |length| start + length);

@@ -81,9 +81,15 @@ mod tests {
     #[test]
     fn names_that_mean_the_same_are_found() {
         let mut names = Names::default();
-        for (i, name) in ["red # warm", "Material #25", "Material #26", "dir\\a", "\"b c\""]
-            .iter()
-            .enumerate()
+        for (i, name) in [
+            "red # warm",
+            "Material #25",
+            "Material #26",
+            "dir\\a",
+            "\"b c\"",
+        ]
+        .iter()
+        .enumerate()
         {
             assert_eq!(names.insert(name.as_bytes(), i), None);
         }
@@ -97,7 +103,10 @@ mod tests {
         one.insert(b"Material #25", 0);
         assert_eq!(one.find(b"Material #26"), None);
         assert_eq!(one.find(b"Material"), Some(0));
-        assert_eq!([find("dir/a"), find(".\\dir/a"), find("'dir\\a'")], [Some(3); 3]);
+        assert_eq!(
+            [find("dir/a"), find(".\\dir/a"), find("'dir\\a'")],
+            [Some(3); 3]
+        );
         assert_eq!([find("b c"), find("b c # x")], [Some(4); 2]);
         assert_eq!(names.find(b"r\xe9d"), None);
         assert_eq!(shown(b"\"r\xe9d\" # x"), "r\u{e9}d");

@@ -61,8 +61,7 @@ const READ: [&str; 9] = ["v", "vt", "vn", "f", "o", "g", "s", "usemtl", "mtllib"
 
 /// Whether a word is one of OBJ's statements.
 pub(super) fn is_keyword(word: &[u8]) -> bool {
-    let known = READ.iter().chain(&DROPPED);
-    known.into_iter().any(|k| k.as_bytes() == word)
+    READ.iter().chain(&DROPPED).any(|k| k.as_bytes() == word)
 }
 
 /// The most items that cannot be read before the file is refused.
@@ -343,7 +342,11 @@ impl Scanner<'_> {
         }
         let found = self.text(&word);
         let infinite = parsed.is_ok();
-        let what = if infinite { "a finite number" } else { "a number" };
+        let what = if infinite {
+            "a finite number"
+        } else {
+            "a number"
+        };
         let comma = text.contains(',');
         let wrong = Wrong {
             span: word,

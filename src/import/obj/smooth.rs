@@ -72,7 +72,10 @@ impl Smoothed {
                 link.sum = DVec3::from_array(normalize(link.sum.to_array()).0);
             }
         }
-        let without = smoothed.links.iter().filter(|l| l.sum == DVec3::ZERO && l.total > 0.0);
+        let without = smoothed
+            .links
+            .iter()
+            .filter(|l| l.sum == DVec3::ZERO && l.total > 0.0);
         let corners = match without.count() {
             0 => return smoothed,
             1 => "a vertex".to_owned(),

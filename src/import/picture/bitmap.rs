@@ -29,14 +29,22 @@ pub(super) fn deep(bytes: &[u8]) -> Result<Option<Decoded>, Trouble> {
     };
     if !kind.is_empty() {
         let message = format!("this is {kind}, which is not read");
-        return Err(Trouble::Unsupported(message, "save the picture as PNG".into()));
+        return Err(Trouble::Unsupported(
+            message,
+            "save the picture as PNG".into(),
+        ));
     }
     if !BITFIELDS.contains(&compression) || layout >> 16 != 32 {
         return Ok(None);
     }
     let has_alpha = header >= 56 || compression == 6;
     let mask = |i: usize| word(bytes, 54 + 4 * i).unwrap_or(0);
-    let masks = [mask(0), mask(1), mask(2), if has_alpha { mask(3) } else { 0 }];
+    let masks = [
+        mask(0),
+        mask(1),
+        mask(2),
+        if has_alpha { mask(3) } else { 0 },
+    ];
     let bits = masks[..3].iter().map(|m| m.count_ones()).max().unwrap_or(0);
     if bits <= 8 {
         return Ok(None);
@@ -51,7 +59,9 @@ fn masked(bytes: &[u8], masks: [u32; 4], bits: u32) -> Result<Decoded, Trouble> 
     let size = checked_size(width.max(0) as u64, height.unsigned_abs().into())?;
     let channels = if masks[3] == 0 { 3 } else { 4 };
     let start = field(10) as usize;
-    let data = bytes.get(start..).and_then(|data| data.get(..4 * size.0 * size.1));
+    let data = bytes
+        .get(start..)
+        .and_then(|data| data.get(..4 * size.0 * size.1));
     let data = data.ok_or_else(|| Trouble::broken("it ends before its last pixel"))?;
     let value = |pixel: u32, mask: u32| match mask {
         0 => 0.0,
@@ -62,11 +72,19 @@ fn masked(bytes: &[u8], masks: [u32; 4], bits: u32) -> Result<Decoded, Trouble> 
     };
     let rows = data.chunks_exact(4 * size.0);
     // Rows go up unless the height is negative.
-    let rows: Vec<&[u8]> = if height > 0 { rows.rev().collect() } else { rows.collect() };
+    let rows: Vec<&[u8]> = if height > 0 {
+        rows.rev().collect()
+    } else {
+        rows.collect()
+    };
     let pixels = rows.into_iter().flat_map(|row| row.chunks_exact(4));
     let words = pixels.map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let values: Vec<f32> = words
-        .flat_map(|pixel| masks[..channels].iter().map(move |mask| value(pixel, *mask)))
+        .flat_map(|pixel| {
+            masks[..channels]
+                .iter()
+                .map(move |mask| value(pixel, *mask))
+        })
         .collect();
     let mut notes = Vec::new();
     let pixels = plane(size, channels, &values, &mut notes);

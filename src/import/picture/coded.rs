@@ -43,7 +43,11 @@ pub(super) fn png(bytes: &[u8]) -> Result<Decoded, Trouble> {
     Ok(Decoded {
         bits: Some(if wide { 16 } else { 8 }),
         pixels,
-        orientation: reader.info().exif_metadata.as_deref().map_or(1, orientation::of_exif),
+        orientation: reader
+            .info()
+            .exif_metadata
+            .as_deref()
+            .map_or(1, orientation::of_exif),
         assumed: png_encoding(reader.info()),
         notes,
     })
@@ -118,7 +122,10 @@ pub(super) fn other(format: PictureFormat, bytes: &[u8]) -> Result<Decoded, Trou
 fn refused(format: PictureFormat, error: image::ImageError) -> Trouble {
     match error {
         image::ImageError::Unsupported(what) => {
-            let message = format!("this {} is of a kind that is not read: {what}", format.name());
+            let message = format!(
+                "this {} is of a kind that is not read: {what}",
+                format.name()
+            );
             Trouble::Unsupported(message, "save the picture as PNG".into())
         }
         error => Trouble::broken(error),
@@ -145,7 +152,10 @@ fn refuse_jpeg_kinds(bytes: &[u8]) -> Result<(), Trouble> {
                 _ => "a JPEG with arithmetic coding".to_owned(),
             };
             let message = format!("this is {kind}, which is not read");
-            return Err(Trouble::Unsupported(message, "save the picture as PNG".into()));
+            return Err(Trouble::Unsupported(
+                message,
+                "save the picture as PNG".into(),
+            ));
         }
         at += 2 + usize::from(u16::from_be_bytes([high, low]));
     }

@@ -242,7 +242,12 @@ pub fn decode_with(
         });
     }
     let bad = |p: &[f32; 3]| !p.iter().all(|v| v.is_finite());
-    if let Some(first) = pixels.data.iter().position(bad).filter(|_| !options.non_finite) {
+    if let Some(first) = pixels
+        .data
+        .iter()
+        .position(bad)
+        .filter(|_| !options.non_finite)
+    {
         let (x, y) = (first % pixels.width, first / pixels.width);
         let count = pixels.data.iter().filter(|p| bad(p)).count();
         let message = format!(
@@ -292,7 +297,10 @@ fn unknown(name: &str, bytes: &[u8]) -> Error {
     let names = PictureFormat::ALL.map(PictureFormat::name).join(", ");
     // AVIF and HEIC: a box whose kind stands behind its length.
     let boxed = bytes.get(4..8) == Some(b"ftyp");
-    let what = match found.map(|(_, what)| *what).or(boxed.then_some("this is an AVIF, HEIC or video file")) {
+    let what = match found
+        .map(|(_, what)| *what)
+        .or(boxed.then_some("this is an AVIF, HEIC or video file"))
+    {
         _ if bytes.is_empty() => "the file is empty",
         Some(what) => {
             return Error::Unsupported {

@@ -30,6 +30,10 @@ pub(super) fn read(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Trouble
         }
         data => data.map_err(refused)?,
     };
+    let halved = |part: &Header| part.channels.list.iter().any(|c| c.sampling != Vec2(1, 1));
+    if data.headers.iter().any(halved) {
+        return subsampled_picture(bytes, layer);
+    }
     check(&data)?;
     let Some(choice) = choose(&data, layer) else {
         return Err(missing(&data, layer));
@@ -41,9 +45,10 @@ pub(super) fn read(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Trouble
     notes.extend(choice.absent(&data));
     let part = &data.headers[choice.part];
     let display = part.shared_attributes.display_window;
-    let primaries = part.shared_attributes.chromaticities.map(|c| {
-        [c.red, c.green, c.blue, c.white].map(|v| [f64::from(v.x()), f64::from(v.y())])
-    });
+    let primaries = part
+        .shared_attributes
+        .chromaticities
+        .map(|c| [c.red, c.green, c.blue, c.white].map(|v| [f64::from(v.x()), f64::from(v.y())]));
     let yw = primaries.and_then(luminance::weights);
     let yw = yw.unwrap_or_else(luminance::default_weights);
     let (filled, attributes) = fill(bytes, &choice, yw)?;
@@ -67,7 +72,10 @@ pub(super) fn read(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Trouble
 fn subsampled_picture(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Trouble> {
     if let Some(layer) = layer {
         let message = format!("this EXR holds luminance and chroma only, no layer {layer}");
-        return Err(Trouble::Unsupported(message, "compare it without --layer".into()));
+        return Err(Trouble::Unsupported(
+            message,
+            "compare it without --layer".into(),
+        ));
     }
     let found = subsampled::read(bytes)?;
     let filled = Filled {
@@ -130,7 +138,9 @@ impl Choice {
         let own = channel_names(&data.headers[part]);
         let own = own.filter_map(|name| Some(name.strip_prefix(prefix)?.to_owned()));
         let own: Vec<String> = own.filter(|name| !name.contains('.')).collect();
-        let known = own.iter().any(|name| ["R", "G", "B", "Y"].contains(&name.as_str()));
+        let known = own
+            .iter()
+            .any(|name| ["R", "G", "B", "Y"].contains(&name.as_str()));
         let single = match &own[..] {
             [only] if !known && !prefix.is_empty() => Some(format!("{prefix}{only}")),
             _ => None,
@@ -150,11 +160,19 @@ impl Choice {
     /// A note about the other parts.
     fn others(&self, data: &MetaData) -> Option<String> {
         let names = |part: &Header| part_names(part).next();
-        let others = data.headers.iter().enumerate().filter(|(i, _)| *i != self.part);
+        let others = data
+            .headers
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != self.part);
         let others: Vec<String> = others.filter_map(|(_, part)| names(part)).collect();
         let taken = names(&data.headers[self.part]).unwrap_or_else(|| "the first".into());
         (!others.is_empty()).then(|| {
-            format!("of its {} parts, {taken} is taken; --layer chooses: {}", data.headers.len(), others.join(", "))
+            format!(
+                "of its {} parts, {taken} is taken; --layer chooses: {}",
+                data.headers.len(),
+                others.join(", ")
+            )
         })
     }
 
@@ -163,7 +181,10 @@ impl Choice {
         let has = |name: &&str| {
             channel_names(&data.headers[self.part]).any(|own| own == self.channel(name))
         };
-        let absent: Vec<&str> = ["R", "G", "B"].into_iter().filter(|name| !has(name)).collect();
+        let absent: Vec<&str> = ["R", "G", "B"]
+            .into_iter()
+            .filter(|name| !has(name))
+            .collect();
         let some = (1..3).contains(&absent.len());
         some.then(|| format!("it has no channel {}: taken as 0", absent.join(" and no ")))
     }
@@ -184,7 +205,9 @@ fn choose(data: &MetaData, layer: Option<&str>) -> Option<Choice> {
                 let rest = layer.strip_prefix(&name)?;
                 (rest.is_empty() || rest.starts_with('.')).then(|| rest.to_owned())
             })?;
-            let prefix = rest.strip_prefix('.').map_or(String::new(), |rest| format!("{rest}."));
+            let prefix = rest
+                .strip_prefix('.')
+                .map_or(String::new(), |rest| format!("{rest}."));
             Choice::of(data, part, &prefix).or_else(|| single(data, part, &prefix))
         })
     };
@@ -195,7 +218,9 @@ fn choose(data: &MetaData, layer: Option<&str>) -> Option<Choice> {
             let view = views.and_then(|views| views.first());
             view.is_some_and(|view| view.to_string() == layer)
         };
-        parts().find(first).and_then(|part| Choice::of(data, part, ""))
+        parts()
+            .find(first)
+            .and_then(|part| Choice::of(data, part, ""))
     };
     by_channels.or_else(by_part).or_else(by_view)
 }
@@ -228,7 +253,8 @@ fn check(data: &MetaData) -> Result<(), Trouble> {
             return Err(Trouble::TooLarge(width, height));
         }
         if part.deep {
-            let message = "this is a deep EXR, which holds many values a pixel: not read".to_owned();
+            let message =
+                "this is a deep EXR, which holds many values a pixel: not read".to_owned();
             return Err(Trouble::Unsupported(message, "flatten it first".to_owned()));
         }
     }
@@ -281,7 +307,9 @@ fn fill(
                 };
                 Filled::new(size, kind)
             },
-            |filled: &mut Filled, at, (r, g, b, y, ry, by, a): (f32, f32, f32, f32, f32, f32, f32)| {
+            |filled: &mut Filled,
+             at,
+             (r, g, b, y, ry, by, a): (f32, f32, f32, f32, f32, f32, f32)| {
                 filled.set(at, [r, g, b], [y, ry, by], a);
             },
         )

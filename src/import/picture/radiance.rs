@@ -57,9 +57,17 @@ fn header(rest: &mut &[u8], notes: &mut Vec<String>) -> Result<[f64; 3], Trouble
         let Some((key, value)) = text.split_once('=') else {
             continue;
         };
-        let numbers: Vec<f64> = value.split_whitespace().filter_map(|w| w.parse().ok()).collect();
+        let numbers: Vec<f64> = value
+            .split_whitespace()
+            .filter_map(|w| w.parse().ok())
+            .collect();
         let usable = |x: &f64| x.is_finite() && *x > 0.0;
-        let wrong = || Trouble::broken(format!("{key} {:?}: expected numbers above 0", value.trim()));
+        let wrong = || {
+            Trouble::broken(format!(
+                "{key} {:?}: expected numbers above 0",
+                value.trim()
+            ))
+        };
         match (key.trim(), &numbers[..]) {
             ("EXPOSURE", [x]) if usable(x) => divisor = divisor.map(|d| d * x),
             ("COLORCORR", [r, g, b]) if [r, g, b].into_iter().all(usable) => {
@@ -72,8 +80,14 @@ fn header(rest: &mut &[u8], notes: &mut Vec<String>) -> Result<[f64; 3], Trouble
                 return Err(Trouble::Unsupported(message.into(), help.into()));
             }
             ("FORMAT", _) if value.trim() != "32-bit_rle_rgbe" => {
-                let message = format!("this HDR is of the format {}, which is not read", value.trim());
-                return Err(Trouble::Unsupported(message, "write it as 32-bit_rle_rgbe".into()));
+                let message = format!(
+                    "this HDR is of the format {}, which is not read",
+                    value.trim()
+                );
+                return Err(Trouble::Unsupported(
+                    message,
+                    "write it as 32-bit_rle_rgbe".into(),
+                ));
             }
             ("PRIMARIES", _) => notes.push("its primaries are not read".to_owned()),
             _ => {}
@@ -81,8 +95,14 @@ fn header(rest: &mut &[u8], notes: &mut Vec<String>) -> Result<[f64; 3], Trouble
     }
     if divisor != [1.0; 3] {
         let [r, g, b] = divisor;
-        let by = if r == g && g == b { format!("{r}") } else { format!("{r} {g} {b}") };
-        notes.push(format!("its values are divided by {by}, the exposure that its header states"));
+        let by = if r == g && g == b {
+            format!("{r}")
+        } else {
+            format!("{r} {g} {b}")
+        };
+        notes.push(format!(
+            "its values are divided by {by}, the exposure that its header states"
+        ));
     }
     Ok(divisor)
 }
@@ -91,7 +111,11 @@ fn header(rest: &mut &[u8], notes: &mut Vec<String>) -> Result<[f64; 3], Trouble
 fn axes(line: &[u8]) -> Result<(usize, usize, u8), Trouble> {
     let text = String::from_utf8_lossy(line);
     let words: Vec<&str> = text.split_whitespace().collect();
-    let wrong = || Trouble::broken(format!("resolution {text:?}: expected such as -Y 480 +X 640"));
+    let wrong = || {
+        Trouble::broken(format!(
+            "resolution {text:?}: expected such as -Y 480 +X 640"
+        ))
+    };
     let [slow, count, fast, length] = words[..] else {
         return Err(wrong());
     };

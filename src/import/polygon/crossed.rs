@@ -237,7 +237,10 @@ impl Corners<'_> {
             return false;
         };
         let (next, previous) = (self.points[next], self.points[previous]);
-        let (left, right) = (cross(at, next, place) >= 0.0, cross(at, place, previous) >= 0.0);
+        let (left, right) = (
+            cross(at, next, place) >= 0.0,
+            cross(at, place, previous) >= 0.0,
+        );
         // A reflex corner has all that is not on its outside.
         if cross(previous, at, next) >= 0.0 {
             left && right
@@ -261,13 +264,19 @@ impl Corners<'_> {
             None => all().reduce(nearer).unwrap_or_default(),
         };
         let next = (edge + 1) % self.points.len() as u32;
-        Crossing { edge: [edge, next], t }
+        Crossing {
+            edge: [edge, next],
+            t,
+        }
     }
 
     /// The squared distance of a place from an edge, the edge, and where on it is the nearest point.
     fn project(&self, place: DVec2, edge: u32) -> (f64, u32, f64) {
         let from = edge as usize;
-        let (a, b) = (self.points[from], self.points[(from + 1) % self.points.len()]);
+        let (a, b) = (
+            self.points[from],
+            self.points[(from + 1) % self.points.len()],
+        );
         let length = (b - a).length_squared();
         let t = match length > 0.0 {
             true => ((place - a).dot(b - a) / length).clamp(0.0, 1.0),

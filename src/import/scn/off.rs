@@ -35,10 +35,22 @@ struct Free {
 
 /// From the strictest to the most forgiving.
 const WAYS: [Free; 4] = [
-    Free { vertices: true, faces: true },
-    Free { vertices: true, faces: false },
-    Free { vertices: false, faces: true },
-    Free { vertices: false, faces: false },
+    Free {
+        vertices: true,
+        faces: true,
+    },
+    Free {
+        vertices: true,
+        faces: false,
+    },
+    Free {
+        vertices: false,
+        faces: true,
+    },
+    Free {
+        vertices: false,
+        faces: false,
+    },
 ];
 
 /// A reading under way.
@@ -286,7 +298,9 @@ impl<'a> Reader<'a> {
         let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
         // New corners stand behind the file's vertices, which are all read.
         let triangles = cut.add_crossings(&mut self.mesh, corners);
-        self.mesh.triangles.extend(triangles.iter().filter(|t| proper(t)));
+        self.mesh
+            .triangles
+            .extend(triangles.iter().filter(|t| proper(t)));
         Ok(())
     }
 

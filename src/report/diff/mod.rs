@@ -212,7 +212,8 @@ impl Diff {
             a: side_a,
             b: side_b,
             metrics: measured.metrics,
-            pixels_differing: measured.pixels_differing + non_finite.map_or(0, |n| n.differing - n.also),
+            pixels_differing: measured.pixels_differing
+                + non_finite.map_or(0, |n| n.differing - n.also),
             non_finite,
             flip: FlipKind {
                 form: if range == DynamicRange::High {

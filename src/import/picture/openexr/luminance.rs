@@ -18,7 +18,10 @@ pub(super) fn weights(primaries: [[f64; 2]; 4]) -> Option<Weights> {
     };
     let whole = det(r, g, b);
     let weights = [det(w, g, b), det(r, w, b), det(r, g, w)].map(|d| (d / whole) as f32);
-    weights.iter().all(|w| w.is_finite() && *w != 0.0).then_some(weights)
+    weights
+        .iter()
+        .all(|w| w.is_finite() && *w != 0.0)
+        .then_some(weights)
 }
 
 /// Those of ITU-R BT.709, OpenEXR's default.
@@ -38,7 +41,9 @@ pub(super) fn rgb(y: f32, ry: f32, by: f32, yw: Weights) -> [f32; 3] {
 }
 
 /// The filter that fills in odd places: weights of the neighbours at odd distances 1, 3, ... 13 (`ImfRgbaYca.cpp`).
-const FILTER: [f32; 7] = [0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128];
+const FILTER: [f32; 7] = [
+    0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128,
+];
 
 /// Samples of every other place to one each: those at odd places come of 14 neighbours; the ends are repeated.
 fn double(samples: &[f32], length: usize) -> Vec<f32> {
@@ -58,7 +63,10 @@ fn double(samples: &[f32], length: usize) -> Vec<f32> {
 /// A plane of half the width and height to the full size.
 pub(super) fn fill_in(half: &[f32], width: usize, height: usize) -> Vec<f32> {
     let half_width = width.div_ceil(2);
-    let rows: Vec<Vec<f32>> = half.chunks(half_width).map(|row| double(row, width)).collect();
+    let rows: Vec<Vec<f32>> = half
+        .chunks(half_width)
+        .map(|row| double(row, width))
+        .collect();
     let mut full = vec![0.0; width * height];
     for x in 0..width {
         let column: Vec<f32> = rows.iter().map(|row| row[x]).collect();
@@ -90,7 +98,10 @@ mod tests {
         // A ramp stays a ramp away from its ends, and what is even stays even.
         let ramp: Vec<f32> = (0..20).map(|i| 2.0 * i as f32).collect();
         let doubled = double(&ramp, 40);
-        assert!((doubled[19] - 19.0).abs() < 1e-3 && doubled[20] == 20.0, "{doubled:?}");
+        assert!(
+            (doubled[19] - 19.0).abs() < 1e-3 && doubled[20] == 20.0,
+            "{doubled:?}"
+        );
         let flat = fill_in(&[0.5; 6], 5, 3);
         assert!(flat.iter().all(|v| (v - 0.5).abs() < 1e-6), "{flat:?}");
     }

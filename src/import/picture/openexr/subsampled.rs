@@ -59,14 +59,20 @@ impl<'a> Bytes<'a> {
 
     /// A text that a zero ends.
     fn text(&mut self) -> Result<String, Trouble> {
-        let end = self.0.iter().take(256).position(|b| *b == 0).ok_or_else(ends)?;
+        let end = self
+            .0
+            .iter()
+            .take(256)
+            .position(|b| *b == 0)
+            .ok_or_else(ends)?;
         let text = String::from_utf8_lossy(&self.0[..end]).into_owned();
         self.0 = &self.0[end + 1..];
         Ok(text)
     }
 
     fn window(&mut self) -> Result<Window, Trouble> {
-        let [left, top, right, bottom] = [self.int()?, self.int()?, self.int()?, self.int()?].map(i64::from);
+        let [left, top, right, bottom] =
+            [self.int()?, self.int()?, self.int()?, self.int()?].map(i64::from);
         let side = |low: i64, high: i64| u64::try_from(high - low + 1).unwrap_or(0);
         let (width, height) = checked_size(side(left, right), side(top, bottom))?;
         Ok((left, top, width, height))
@@ -79,7 +85,10 @@ fn ends() -> Trouble {
 
 fn unsupported(what: &str) -> Trouble {
     let message = format!("this EXR has subsampled chroma and {what}, which is not read");
-    Trouble::Unsupported(message, "write it with ZIP compression, or as R, G and B".into())
+    Trouble::Unsupported(
+        message,
+        "write it with ZIP compression, or as R, G and B".into(),
+    )
 }
 
 /// Reads a file whose chroma is subsampled.
@@ -94,7 +103,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
         return Err(Trouble::broken("a window is missing"));
     };
     let find = |name: &str, step: usize| {
-        let found = header.channels.iter().position(|c| c.name == name && c.step == [step; 2]);
+        let found = header
+            .channels
+            .iter()
+            .position(|c| c.name == name && c.step == [step; 2]);
         found.ok_or_else(|| unsupported("channels other than Y, RY and BY at half size"))
     };
     let [y, ry, by] = [find("Y", 1)?, find("RY", 2)?, find("BY", 2)?];
@@ -104,7 +116,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
     let yw = header.primaries.and_then(weights);
     let yw = yw.unwrap_or_else(luminance::default_weights);
     let luma = planes[y].iter().zip(ry.iter().zip(&by));
-    let pixels = luma.map(|(y, (ry, by))| luminance::rgb(*y, *ry, *by, yw)).collect();
+    let pixels = luma
+        .map(|(y, (ry, by))| luminance::rgb(*y, *ry, *by, yw))
+        .collect();
     let pixels = Plane {
         width,
         height,
@@ -155,7 +169,9 @@ fn channels(value: &mut Bytes<'_>) -> Result<Vec<Channel>, Trouble> {
         value.take(4)?;
         let step = [value.int()?, value.int()?].map(|s| usize::try_from(s).unwrap_or(0));
         if kind > 2 || step.contains(&0) {
-            return Err(Trouble::broken(format!("channel {name} is of no known kind")));
+            return Err(Trouble::broken(format!(
+                "channel {name} is of no known kind"
+            )));
         }
         channels.push(Channel { name, kind, step });
     }
@@ -181,7 +197,9 @@ impl Channel {
         if y.rem_euclid(step[1]) != 0 {
             return 0;
         }
-        (left..left + width as i64).filter(|x| x.rem_euclid(step[0]) == 0).count()
+        (left..left + width as i64)
+            .filter(|x| x.rem_euclid(step[0]) == 0)
+            .count()
     }
 }
 
@@ -209,7 +227,12 @@ fn planes(rest: &mut Bytes<'_>, header: &Header, data: Window) -> Result<Vec<Vec
     for (block, part) in parts.into_iter().enumerate() {
         let first = top + (block * lines) as i64;
         let rows = first..(first + lines as i64).min(top + height as i64);
-        let counts = |y: i64| header.channels.iter().map(move |c| c.samples(data, y) * c.bytes());
+        let counts = |y: i64| {
+            header
+                .channels
+                .iter()
+                .map(move |c| c.samples(data, y) * c.bytes())
+        };
         let expected: usize = rows.clone().flat_map(counts).sum();
         let part = part.ok_or_else(|| Trouble::broken("a block is missing"))?;
         let raw = unpacked(part, expected, header.compression)?;
@@ -217,7 +240,11 @@ fn planes(rest: &mut Bytes<'_>, header: &Header, data: Window) -> Result<Vec<Vec
         for y in rows {
             for (channel, plane) in header.channels.iter().zip(&mut planes) {
                 let bytes = raw.take(channel.samples(data, y) * channel.bytes())?;
-                plane.extend(bytes.chunks_exact(channel.bytes()).map(|b| channel.value(b)));
+                plane.extend(
+                    bytes
+                        .chunks_exact(channel.bytes())
+                        .map(|b| channel.value(b)),
+                );
             }
         }
     }
@@ -243,7 +270,10 @@ fn unpacked(part: Vec<u8>, expected: usize, compression: u8) -> Result<Vec<u8>, 
     } else {
         let unzip = flate2::read::ZlibDecoder::new(&part[..]);
         let limit = expected as u64 + 1;
-        unzip.take(limit).read_to_end(&mut bytes).map_err(Trouble::broken)?;
+        unzip
+            .take(limit)
+            .read_to_end(&mut bytes)
+            .map_err(Trouble::broken)?;
     }
     if bytes.len() != expected {
         return Err(ends());
