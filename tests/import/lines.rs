@@ -67,7 +67,10 @@ fn a_name_does_not_swallow_the_next_statement() {
         b"mtllib m.mtl\nusemtl \x95\x5c\nf 1 2 3 4\n",
     ]
     .concat();
-    let files: [(&str, &[u8]); 2] = [("a.obj", &obj), ("m.mtl", b"newmtl \x95\x5c\nKd 0 1 0\n")];
+    let files: [(&str, &[u8]); 2] = [
+        ("a.obj", &obj[..]),
+        ("m.mtl", b"newmtl \x95\x5c\nKd 0 1 0\n"),
+    ];
     let found = load_files(&files, &[]).unwrap();
     assert_eq!(colors(&found), [[0.0, 1.0, 0.0]]);
     assert!(notes(&found).contains("does not join"), "{}", notes(&found));
@@ -293,7 +296,7 @@ fn what_will_not_show_is_said() {
             }
         };
         let mtl: Vec<u8> = units.flat_map(bytes).collect();
-        let files: [(&str, &[u8]); 2] = [("a.obj", obj.as_bytes()), ("m.mtl", &mtl)];
+        let files: [(&str, &[u8]); 2] = [("a.obj", obj.as_bytes()), ("m.mtl", &mtl[..])];
         let found = load_files(&files, &[]).unwrap();
         assert_eq!(colors(&found), [[0.0, 0.0, 1.0]], "{mark} {little}");
         assert!(notes(&found).contains("UTF-16"), "{}", notes(&found));

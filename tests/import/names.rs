@@ -8,7 +8,7 @@ const RED: [f64; 3] = [1.0, 0.0, 0.0];
 /// The colour of a face whose material is named so, of a library where it is named so.
 fn color(used: &[u8], named: &[u8]) -> Option<[f64; 3]> {
     let obj = [
-        b"mtllib m.mtl\n",
+        &b"mtllib m.mtl\n"[..],
         SQUARE.as_bytes(),
         b"usemtl ",
         used,
@@ -16,12 +16,12 @@ fn color(used: &[u8], named: &[u8]) -> Option<[f64; 3]> {
     ]
     .concat();
     let mtl = [
-        b"newmtl ",
+        &b"newmtl "[..],
         named,
         b"\nKd 1 0 0 # r\nillum 1\nnewmtl other\nKd 0 1 0\n",
     ]
     .concat();
-    let found = load_files(&[("a.obj", &obj[..]), ("m.mtl", &mtl)], &[]).unwrap();
+    let found = load_files(&[("a.obj", &obj[..]), ("m.mtl", &mtl[..])], &[]).unwrap();
     let missing = notes(&found).matches("is in no library").count();
     assert!(missing <= 1);
     (missing == 0).then(|| found.scene.materials[0].front.diffuse)
@@ -66,7 +66,7 @@ fn bytes_that_differ_are_names_that_differ() {
     ];
     for [a, b] in pairs {
         let obj = [
-            b"mtllib m.mtl\n",
+            &b"mtllib m.mtl\n"[..],
             SQUARE.as_bytes(),
             b"usemtl ",
             a,
@@ -75,8 +75,15 @@ fn bytes_that_differ_are_names_that_differ() {
             b"\nf 1 3 4\n",
         ]
         .concat();
-        let mtl = [b"newmtl ", a, b"\nKd 1 0 0\nnewmtl ", b, b"\nKd 0 1 0\n"].concat();
-        let found = load_files(&[("a.obj", &obj[..]), ("m.mtl", &mtl)], &[]).unwrap();
+        let mtl = [
+            &b"newmtl "[..],
+            a,
+            b"\nKd 1 0 0\nnewmtl ",
+            b,
+            b"\nKd 0 1 0\n",
+        ]
+        .concat();
+        let found = load_files(&[("a.obj", &obj[..]), ("m.mtl", &mtl[..])], &[]).unwrap();
         let colors: Vec<_> = found
             .scene
             .materials

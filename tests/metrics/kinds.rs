@@ -283,8 +283,7 @@ fn parts(parts: &[(&str, &str, &[(&str, f32)])]) -> Vec<u8> {
     });
     let layers: Vec<_> = layers.collect();
     let size = IntegerBounds::from_dimensions((3, 2));
-    let image = Image::empty(ImageAttributes::new(size));
-    let image = layers.into_iter().fold(image, Image::with_layer);
+    let image = Image::from_layers(ImageAttributes::new(size), layers);
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write().to_buffered(&mut bytes).expect("an EXR");
     bytes.into_inner()
@@ -346,7 +345,7 @@ fn exr_luminance_and_chroma_are_colours() {
     let y = 0.212639 * r + 0.715169 * g + 0.072192 * b;
     let (ry, by) = ((r - y) / y, (b - y) / y);
     let file = read(&parts(&[(
-        "",
+        "grey",
         "",
         &[("Y", y as f32), ("RY", ry as f32), ("BY", by as f32)],
     )]));

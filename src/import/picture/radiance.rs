@@ -176,7 +176,7 @@ fn coded(rest: &mut &[u8], pixels: &mut [[u8; 4]], channel: usize) -> Result<(),
     let mut at = 0;
     while at < pixels.len() {
         let (code, run) = match **rest {
-            [code @ 129.., _, ..] => (usize::from(code) - 128, true),
+            [code @ 129..=255, _, ..] => (usize::from(code) - 128, true),
             [code @ 1..=128, ..] => (usize::from(code), false),
             [0, ..] => return Err(Trouble::broken("a run of no pixels")),
             _ => return Err(ends()),
