@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use rastray::error::Error;
-use rastray::import::picture;
+use rastray::import::picture::{self, ReadOptions};
 use rastray::report::diff::{Diff, DiffSummary, Options, Which};
 use rastray::report::files;
 use rastray_compare::DEFAULT_PPD;
@@ -28,7 +28,8 @@ pub(super) const EXAMPLES: &str = "Examples:
 A is the reference, B the test: difference = B - A. The files' first bytes say what they
 are: PNG, JPEG, BMP, PPM, PGM, PFM, HDR, EXR. Values are compared as stored: integers as
 fractions of the largest one, floats as they are. FLIP looks at the 8-bit pictures as a
-screen shows them; where both files hold floats, HDR-FLIP looks at the light.
+screen shows them, decoded values encoded again; where both files hold floats, HDR-FLIP
+looks at the light.
 
 Exit codes: 0 done, 1 over --max-error, --min-psnr or --max-flip, 2 error.
 --max-error 0 asks for the same values.";
@@ -65,7 +66,13 @@ pub(super) struct DiffArgs {
     /// Decode the values of A or B from sRGB before they are compared
     #[arg(long, value_enum, value_name = "WHICH")]
     decode: Option<WhichArg>,
-    /// Compare this layer of .exr files, such as diffuse.key
+    /// Count values that are NaN or infinite instead of refusing them: same place and kind = equal
+    #[arg(long)]
+    nan: bool,
+    /// Turn pictures as their EXIF orientation says
+    #[arg(long)]
+    orient: bool,
+    /// Compare this layer, part or view of .exr files, such as diffuse.key
     #[arg(long, value_name = "NAME")]
     layer: Option<String>,
     #[command(flatten)]
@@ -118,7 +125,12 @@ fn check(args: &DiffArgs) -> Result<(), Error> {
 }
 
 fn once(args: &DiffArgs, verbosity: Verbosity) -> Result<(Made, bool), Error> {
-    let read = |path: &PathBuf| picture::read(path, args.layer.as_deref());
+    let options = ReadOptions {
+        layer: args.layer.as_deref(),
+        orient: args.orient,
+        non_finite: args.nan,
+    };
+    let read = |path: &PathBuf| picture::read_with(path, options);
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     if verbosity != Verbosity::Quiet {
         a.notes.iter().chain(&b.notes).for_each(diagnostic::note);
@@ -169,13 +181,25 @@ fn exceeded(args: &DiffArgs, summary: &DiffSummary) -> Vec<String> {
             lines.push(format!("over {flag} {asked}: {what} is {found}"));
         }
     };
-    above("--max-error", "the largest error", m.max, args.max_error);
+    let elsewhere = summary.non_finite.is_some_and(|n| n.differing > 0);
+    let largest = if elsewhere { f64::INFINITY } else { m.max };
+    above("--max-error", "the largest error", largest, args.max_error);
     above(
         "--max-flip",
         "the mean FLIP error",
         m.flip.mean,
         args.max_flip,
     );
+    if let (Some(asked), Some(found)) = (args.min_psnr.or(args.max_flip), summary.non_finite)
+        && found.differing > 0
+        && args.max_error.is_none()
+    {
+        let what = format!(
+            "{} pixels hold NaN or infinity in one picture only",
+            found.differing
+        );
+        lines.push(format!("over a threshold of {asked}: {what}"));
+    }
     // Without a PSNR the pictures are the same, and nothing asks for more.
     if let Some((asked, found)) = args
         .min_psnr

@@ -29,6 +29,7 @@ mod shipped;
 mod strict;
 mod syntax;
 pub mod text;
+mod tiny;
 
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,7 @@ use super::Reader;
 use crate::error::Error;
 use crate::import::document::{Node, Value};
 use crate::import::keys::Range;
-use crate::import::polygon;
+use crate::import::polygon::{self, Doubts};
 use crate::import::reader::Section;
 use crate::math::{DVec2, DVec3};
 use crate::scene::Mesh;
@@ -30,7 +30,12 @@ impl<'a> Reader<'a> {
             mesh.colors = colors;
         }
         mesh.triangles = match section.list("indices", "a list of vertex numbers")? {
-            Some(items) => indices(section, items, &mesh.positions)?,
+            Some(items) => {
+                let mut doubts = Doubts::default();
+                let triangles = indices(section, items, &mut mesh, &mut doubts)?;
+                self.crossed(section, "indices", &doubts);
+                triangles
+            }
             None if count.is_multiple_of(3) => {
                 let triangle = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
                 (0..count as u32 / 3).map(triangle).collect()
@@ -52,24 +57,42 @@ impl<'a> Reader<'a> {
         }
         Ok(mesh)
     }
+
+    /// Notes about faces that cross themselves.
+    fn crossed(&mut self, section: &Section<'a>, key: &str, doubts: &Doubts) {
+        let span = section.get(key).map(|node| &node.span);
+        for (message, first) in doubts.messages() {
+            self.note(span, format!("{key}: {message} (face {first})"));
+        }
+    }
+
+    /// A quad of four corners, cut so that no triangle turns over where it is planar.
+    pub(super) fn corner_quad(&mut self, section: &Section<'a>) -> Result<Mesh, Error> {
+        let (mesh, doubts) = quad(section)?;
+        self.crossed(section, "points", &doubts);
+        Ok(mesh)
+    }
 }
 
-/// A quad of four corners, cut so that no triangle turns over where it is planar.
-pub(super) fn quad(section: &Section<'_>) -> Result<Mesh, Error> {
+fn quad(section: &Section<'_>) -> Result<(Mesh, Doubts), Error> {
     let points = tuples::<3>(section, "points")?.unwrap_or_default();
     if points.len() != 4 {
         let message = format!("expected four corners, found {}", points.len());
         return Err(section.error_at("points", message));
     }
     let positions: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
-    let triangles = polygon::triangulate(&[0, 1, 2, 3], |i| positions[i as usize]);
-    let texcoords = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
-    Ok(Mesh {
+    let cut = polygon::triangulate(4, |i| positions[i]);
+    let mut mesh = Mesh {
         positions,
-        texcoords: texcoords.to_vec(),
-        triangles,
+        texcoords: [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+            .map(DVec2::from)
+            .to_vec(),
         ..Mesh::default()
-    })
+    };
+    mesh.triangles = cut.add_crossings(&mut mesh, &[0, 1, 2, 3]);
+    let mut doubts = Doubts::default();
+    doubts.add(cut.doubt, 1);
+    Ok((mesh, doubts))
 }
 
 fn one_each(section: &Section<'_>, key: &str, found: usize, count: usize) -> Result<(), Error> {
@@ -132,16 +155,17 @@ fn colors(section: &Section<'_>) -> Result<Option<Vec<[f64; 4]>>, Error> {
 fn indices(
     section: &Section<'_>,
     items: &[Node],
-    positions: &[DVec3],
+    mesh: &mut Mesh,
+    doubts: &mut Doubts,
 ) -> Result<Vec<[u32; 3]>, Error> {
-    let count = positions.len();
+    let count = mesh.positions.len();
     let corner = |node: &Node| match count.checked_sub(1) {
         Some(last) => section.integer_of("indices", node, 0, last as u32),
         None => Err(section.error_at("positions", "expected at least three")),
     };
     if matches!(items.first().map(|n| &n.value), Some(Value::List(_))) {
         let mut triangles = Vec::new();
-        for node in items {
+        for (number, node) in items.iter().enumerate() {
             let expected = "a face of three or more vertex numbers";
             let Value::List(face) = &node.value else {
                 return Err(section.mismatch("indices", node, expected));
@@ -150,7 +174,9 @@ fn indices(
                 return Err(section.mismatch("indices", node, expected));
             }
             let face: Vec<u32> = face.iter().map(corner).collect::<Result<_, _>>()?;
-            triangles.extend(polygon::triangulate(&face, |i| positions[i as usize]));
+            let cut = polygon::triangulate(face.len(), |i| mesh.positions[face[i] as usize]);
+            doubts.add(cut.doubt, number + 1);
+            triangles.extend(cut.add_crossings(mesh, &face));
         }
         return Ok(triangles);
     }

@@ -50,7 +50,7 @@ impl<'a> Reader<'a> {
                         return Err(section.error_at(key, message));
                     }
                 }
-                return Ok(Geometry::Mesh(Arc::new(super::mesh::quad(section)?)));
+                return Ok(Geometry::Mesh(Arc::new(self.corner_quad(section)?)));
             }
             "quad" => quad(section)?,
             "box" => cuboid(section)?,

@@ -2,7 +2,7 @@
 //!
 //! Normals by precedence: the corner's `vn`; else its smoothing group's, the normalised sum of the area vectors of the
 //! faces that share position and group (whole faces, so that the cut into triangles does not matter); else the
-//! triangle's own. `smooth` overrides: `true` puts all faces into one group, `false` makes all flat. A part without any
+//! triangle's own, and so it is where a group's normals cancel. `smooth` overrides: `true` puts all faces into one group, `false` makes all flat. A part without any
 //! vertex normal keeps `Mesh::normals` empty.
 
 use std::collections::HashMap;
@@ -11,7 +11,9 @@ use std::sync::Arc;
 use super::scan::{Attributes, NONE, Scan};
 use super::smooth::{Smoothed, group};
 use crate::error::{Error, Note};
-use crate::import::polygon;
+use crate::import::polygon::{self, Crossing, Cut, Doubts};
+use crate::import::text::decode;
+use crate::import::tiny;
 use crate::math::float::normalize;
 use crate::math::{DVec2, DVec3};
 use crate::scene::Mesh;
@@ -39,7 +41,7 @@ pub(super) fn build(
     let part_of_run = parts(&scan, split);
     let names = part_of_run.names;
     settle_normals(&mut scan, smooth, notes);
-    let smoothed = Smoothed::new(&scan, smooth);
+    let smoothed = Smoothed::new(&scan, smooth, notes);
     let mut builder = Builder {
         scan: &scan,
         smooth,
@@ -47,28 +49,41 @@ pub(super) fn build(
         parts: names.into_iter().map(Part::new).collect(),
         heads: vec![NONE; scan.positions.len()],
         vertices: Vec::new(),
+        doubts: Doubts::default(),
     };
     for_each_face(&scan, |run, attributes, corners| {
         let part = part_of_run.of_run[run];
         builder.parts[part as usize].has_normals |= builder.has_normal(attributes, corners);
     });
     let mut count = 0;
+    let mut number = 0;
     for_each_face(&scan, |run, attributes, corners| {
-        count += corners.len() - 2;
+        number += 1;
         if count <= MAX_TRIANGLES {
-            builder.face(part_of_run.of_run[run], attributes, corners);
+            count += builder.face(part_of_run.of_run[run], attributes, corners, number);
         }
     });
     if count > MAX_TRIANGLES {
         return Err(Error::limit(format!(
-            "the mesh has {count} triangles, more than {MAX_TRIANGLES}"
+            "the mesh has more than {MAX_TRIANGLES} triangles"
         )));
+    }
+    for (message, first) in builder.doubts.messages() {
+        let message = format!("{message} (face {first} of the file)");
+        notes.push(Note {
+            place: None,
+            message,
+        });
     }
     let parts = builder
         .parts
         .into_iter()
         .filter(|p| !p.mesh.triangles.is_empty());
-    Ok(parts.map(Part::finish).collect())
+    let built: Vec<Built> = parts.map(Part::finish).collect();
+    for part in &built {
+        notes.extend(tiny::note(&part.mesh, part.name.as_deref()));
+    }
+    Ok(built)
 }
 
 /// Calls with the run number, the attributes and the corners (a range) of each face.
@@ -111,7 +126,8 @@ fn parts(scan: &Scan, split: bool) -> Parts {
         let slot = (key as usize).min(list.len());
         if number_of[slot] == NONE {
             number_of[slot] = names.len() as u32;
-            names.push(list.get(slot).filter(|name| !name.is_empty()).cloned());
+            let name = list.get(slot).filter(|name| !name.is_empty());
+            names.push(name.map(|name| decode(name).into_owned()));
         }
         of_run.push(number_of[slot]);
     }
@@ -228,6 +244,7 @@ struct Builder<'a> {
     /// First vertex of each position; the chain goes on in [`Vertex::next`].
     heads: Vec<u32>,
     vertices: Vec<Vertex>,
+    doubts: Doubts,
 }
 
 impl Builder<'_> {
@@ -236,20 +253,99 @@ impl Builder<'_> {
         group(attributes, self.smooth) != 0 || corners.any(given)
     }
 
-    fn face(&mut self, part: u32, attributes: Attributes, corners: std::ops::Range<usize>) {
+    /// Adds a face, the file's `number`-th, and says of how many triangles it is.
+    fn face(
+        &mut self,
+        part: u32,
+        attributes: Attributes,
+        corners: std::ops::Range<usize>,
+        number: usize,
+    ) -> usize {
         let scan = self.scan;
         let slot = self.parts[part as usize].slot(attributes.material);
         let first = corners.start as u32;
         if corners.len() == 3 {
             self.triangle(part, attributes, slot, [first, first + 1, first + 2]);
-            return;
+            return 1;
         }
         // The corners' numbers are cut, not their positions: two corners may share a position.
-        let face: Vec<u32> = corners.map(|c| c as u32).collect();
-        let position = |c: u32| scan.positions[scan.corners[c as usize] as usize];
-        for triangle in polygon::triangulate(&face, position) {
-            self.triangle(part, attributes, slot, triangle);
+        let position = |i: usize| scan.positions[scan.corners[corners.start + i] as usize];
+        let cut = polygon::triangulate(corners.len(), position);
+        self.doubts.add(cut.doubt, number);
+        if cut.crossings.is_empty() {
+            for triangle in &cut.triangles {
+                self.triangle(part, attributes, slot, triangle.map(|i| first + i));
+            }
+        } else {
+            self.crossed(part, attributes, slot, corners, &cut);
         }
+        cut.triangles.len()
+    }
+
+    /// A face with new corners, where it crosses itself.
+    fn crossed(
+        &mut self,
+        part: u32,
+        attributes: Attributes,
+        slot: u32,
+        corners: std::ops::Range<usize>,
+        cut: &Cut,
+    ) {
+        let (scan, first) = (self.scan, corners.start as u32);
+        let count = corners.len();
+        let position = |i: u32| scan.positions[scan.corners[(first + i) as usize] as usize];
+        let at = |i: u32| match cut.crossings.get((i as usize).wrapping_sub(count)) {
+            Some(crossing) => crossing.between(position),
+            None => position(i),
+        };
+        let mut number_of = vec![NONE; cut.crossings.len()];
+        for triangle in &cut.triangles {
+            let [a, b, c] = triangle.map(at);
+            let normal = DVec3::from_array(normalize((b - a).cross(c - a).to_array()).0);
+            let triangle = triangle.map(|i| {
+                let Some(index) = (i as usize).checked_sub(count) else {
+                    return self.vertex(part, attributes, first + i, normal);
+                };
+                if number_of[index] == NONE {
+                    let crossing = &cut.crossings[index];
+                    let at = at(i);
+                    number_of[index] =
+                        self.new_corner(part, attributes, first, crossing, at, normal);
+                }
+                number_of[index]
+            });
+            let mesh = &mut self.parts[part as usize].mesh;
+            mesh.triangles.push(triangle);
+            mesh.slots.push(slot);
+        }
+    }
+
+    /// The vertex of a new corner: what its edge's ends have, in between.
+    fn new_corner(
+        &mut self,
+        part: u32,
+        attributes: Attributes,
+        first: u32,
+        crossing: &Crossing,
+        position: DVec3,
+        face_normal: DVec3,
+    ) -> u32 {
+        let scan = self.scan;
+        let normal = crossing.between(|i| match self.origin(attributes, first + i) {
+            Origin::File(normal) => scan.normals[normal as usize],
+            Origin::Group(group) => {
+                let position = scan.corners[(first + i) as usize];
+                self.smoothed.normal(position, group)
+            }
+            Origin::None => face_normal,
+        });
+        let texcoord = |i: u32| {
+            let number = scan.corner_texcoords.get((first + i) as usize).copied();
+            let texcoord = number.and_then(|n| scan.texcoords.get(n as usize));
+            texcoord.copied().unwrap_or(DVec2::ZERO).extend(0.0)
+        };
+        let texcoord = crossing.between(texcoord).truncate();
+        self.push(part, position, Some(texcoord), normal)
     }
 
     fn triangle(&mut self, part: u32, attributes: Attributes, slot: u32, corners: [u32; 3]) {
@@ -276,6 +372,13 @@ impl Builder<'_> {
         match (given, group(attributes, self.smooth)) {
             (Some(normal), _) if normal != NONE => Origin::File(normal),
             (_, 0) => Origin::None,
+            (_, group)
+                if self
+                    .smoothed
+                    .cancels(self.scan.corners[corner as usize], group) =>
+            {
+                Origin::None
+            }
             (_, group) => Origin::Group(group),
         }
     }
@@ -306,7 +409,8 @@ impl Builder<'_> {
             Origin::Group(group) => self.smoothed.normal(position, group),
             Origin::None => face_normal,
         };
-        let number = self.push(part, position, texcoord, normal);
+        let coordinates = scan.texcoords.get(texcoord as usize).copied();
+        let number = self.push(part, scan.positions[position as usize], coordinates, normal);
         if !own {
             let next = self.heads[position as usize];
             self.heads[position as usize] = self.vertices.len() as u32;
@@ -335,16 +439,15 @@ impl Builder<'_> {
     }
 
     /// Adds a vertex to a part's mesh.
-    fn push(&mut self, part: u32, position: u32, texcoord: u32, normal: DVec3) -> u32 {
-        let scan = self.scan;
+    fn push(&mut self, part: u32, position: DVec3, texcoord: Option<DVec2>, normal: DVec3) -> u32 {
+        let with_texcoords = !self.scan.corner_texcoords.is_empty();
         let part = &mut self.parts[part as usize];
-        part.mesh.positions.push(scan.positions[position as usize]);
+        part.mesh.positions.push(position);
         if part.has_normals {
             part.mesh.normals.push(normal);
         }
-        part.has_texcoords |= texcoord != NONE;
-        if !scan.corner_texcoords.is_empty() {
-            let texcoord = scan.texcoords.get(texcoord as usize).copied();
+        if with_texcoords {
+            part.has_texcoords |= texcoord.is_some();
             part.mesh.texcoords.push(texcoord.unwrap_or(DVec2::ZERO));
         }
         part.mesh.positions.len() as u32 - 1

@@ -2,7 +2,8 @@
 //!
 //! `tobj` reads the statements; a thin scan before it checks numbers (with their places, which `tobj` does not give),
 //! completes `Kd 0.5` to three components (`tobj` panics on fewer) and keeps from it what is dropped. Names run to the
-//! end of the line. Which terms a material has follows `illum` (Ramey, Rose, Tyerman 1995; default 2 where K_s > 0, else 1):
+//! end of the line; `tobj` gets numbers for them, since they are bytes. A material that cannot be read is an error only
+//! where a face needs it. Which terms a material has follows `illum` (Ramey, Rose, Tyerman 1995; default 2 where K_s > 0, else 1):
 //!
 //! | illum | taken as |
 //! | - | - |
@@ -18,17 +19,24 @@
 
 use std::ops::Range;
 
-use super::words::{Words, line_end, place};
+use super::names::shown;
+use super::words::{Words, line_at, place};
 use crate::error::{Error, Note};
+use crate::import::text::decode;
 use crate::math::color::Rgb;
 use crate::scene::{Fresnel, Material, Optics};
 
+/// A material of a library.
+#[derive(Debug)]
+pub(super) struct Entry {
+    /// As the bytes it is.
+    pub(super) name: Vec<u8>,
+    /// Or why it cannot be read.
+    pub(super) material: Result<Material, Error>,
+}
+
 /// Reads a library; the notes say what was dropped or doubted.
-pub(super) fn read(
-    file: &str,
-    bytes: &[u8],
-    notes: &mut Vec<Note>,
-) -> Result<Vec<Material>, Error> {
+pub(super) fn read(file: &str, bytes: &[u8], notes: &mut Vec<Note>) -> Result<Vec<Entry>, Error> {
     let mut cleaner = Cleaner {
         file,
         bytes,
@@ -42,24 +50,49 @@ pub(super) fn read(
         0
     };
     while start < bytes.len() {
-        let end = line_end(bytes, start);
-        cleaner.line(start..end)?;
-        start = end + 1;
+        let line = line_at(bytes, start, is_keyword);
+        cleaner.line(start..line.end, line.stray)?;
+        start = line.next.max(line.end + 1);
     }
     let (parsed, _) = tobj::load_mtl_buf(&mut cleaner.clean.as_bytes())
         .map_err(|e| cleaner.error(0..0, format!("the material library cannot be read: {e}")))?;
     notes.append(&mut cleaner.dropped);
-    let mut materials = Vec::with_capacity(parsed.len());
-    for (material, line) in parsed.iter().zip(&cleaner.named) {
+    let mut entries = Vec::with_capacity(parsed.len());
+    for (material, named) in parsed.iter().zip(cleaner.named) {
+        let name = Words::joined(bytes, named.line.clone());
+        if let Some(error) = named.error {
+            let material = Err(error);
+            entries.push(Entry { name, material });
+            continue;
+        }
         let mut doubts = Vec::new();
-        materials.push(convert(material, &mut doubts));
-        let place = place(file, bytes, line.clone());
+        let mut material = convert(material, &mut doubts);
+        material.name = shown(&name);
+        let place = place(file, bytes, named.line);
         notes.extend(doubts.into_iter().map(|message| Note {
             place: Some(place.clone()),
             message: format!("material {}: {message}", material.name),
         }));
+        let material = Ok(material);
+        entries.push(Entry { name, material });
     }
-    Ok(materials)
+    Ok(entries)
+}
+
+/// Whether a word is one of MTL's statements.
+fn is_keyword(word: &[u8]) -> bool {
+    #[rustfmt::skip] // a table
+    const KNOWN: [&[u8]; 26] = [
+        b"newmtl", b"Ka", b"Kd", b"Ks", b"Ke", b"Tf", b"Ns", b"Ni", b"d", b"Tr", b"illum", b"sharpness", b"bump", b"disp",
+        b"decal", b"refl", b"norm", b"Pr", b"Pm", b"Ps", b"Pc", b"Pcr", b"aniso", b"anisor", b"Km", b"Kt",
+    ];
+    KNOWN.contains(&word) || word.starts_with(b"map_")
+}
+
+/// Where a material is named, and the first thing that is wrong with it.
+struct Named {
+    line: Range<usize>,
+    error: Option<Error>,
 }
 
 /// Checks the statements and writes those that `tobj` is to read.
@@ -67,14 +100,13 @@ struct Cleaner<'a> {
     file: &'a str,
     bytes: &'a [u8],
     clean: String,
-    /// Where each material is named.
-    named: Vec<Range<usize>>,
+    named: Vec<Named>,
     dropped: Vec<Note>,
 }
 
 impl Cleaner<'_> {
     fn text(&self, span: Range<usize>) -> String {
-        String::from_utf8_lossy(&self.bytes[span]).into_owned()
+        decode(&self.bytes[span]).into_owned()
     }
 
     fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
@@ -100,7 +132,12 @@ impl Cleaner<'_> {
         self.clean.push('\n');
     }
 
-    fn line(&mut self, line: Range<usize>) -> Result<(), Error> {
+    fn line(&mut self, line: Range<usize>, stray: bool) -> Result<(), Error> {
+        if stray {
+            let end = line.start + self.bytes[line.clone()].trim_ascii_end().len();
+            let message = "the `\\` at the end of this line does not join the next one to it, which is a statement";
+            self.note(end - 1..end, message.into());
+        }
         let mut words = Words::new(self.bytes, line);
         let Some(keyword) = words.next() else {
             return Ok(());
@@ -111,10 +148,11 @@ impl Cleaner<'_> {
             if rest.is_empty() {
                 return Err(self.error(keyword, "`newmtl` needs a name"));
             }
-            let material = self.text(rest.clone());
-            // A continued or damaged name must stay one line for tobj, and keep its blanks.
-            self.write("newmtl", &[material.replace(['\n', '\r', '\\'], " ")]);
-            self.named.push(rest);
+            self.write("newmtl", &[self.named.len().to_string()]);
+            self.named.push(Named {
+                line: rest,
+                error: None,
+            });
             return Ok(());
         }
         if self.named.is_empty() {
@@ -124,9 +162,24 @@ impl Cleaner<'_> {
             );
             return Ok(());
         }
-        match name.as_str() {
-            "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => self.color(&name, keyword, words),
-            "Ns" | "Ni" | "d" | "Tr" => self.scalar(&name, keyword, words),
+        if let Err(error) = self.statement(&name, keyword, words)
+            && let Some(named) = self.named.last_mut()
+        {
+            named.error.get_or_insert(error);
+        }
+        Ok(())
+    }
+
+    /// A statement about a material.
+    fn statement(
+        &mut self,
+        name: &str,
+        keyword: Range<usize>,
+        words: Words<'_>,
+    ) -> Result<(), Error> {
+        match name {
+            "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => self.color(name, keyword, words),
+            "Ns" | "Ni" | "d" | "Tr" => self.scalar(name, keyword, words),
             "illum" => self.illum(keyword, words),
             _ => {
                 self.note(keyword, format!("`{name}` is dropped"));
@@ -214,7 +267,6 @@ impl Cleaner<'_> {
 /// The material that a library's entry describes.
 fn convert(parsed: &tobj::Material, doubts: &mut Vec<String>) -> Material {
     let mut material = super::default_material();
-    material.name.clone_from(&parsed.name);
     let front = &mut material.front;
     front.ambient = parsed.ambient.unwrap_or(front.ambient);
     front.diffuse = parsed.diffuse.unwrap_or(front.diffuse);
@@ -288,7 +340,8 @@ fn opacity(parsed: &tobj::Material, doubts: &mut Vec<String>) -> f64 {
         .get("Tr")
         .and_then(|text| text.parse::<f64>().ok());
     match (parsed.dissolve, transparency) {
-        (Some(d), Some(tr)) if tr != 1.0 - d => {
+        // Both are decimals, mostly of 32-bit numbers.
+        (Some(d), Some(tr)) if (d + tr - 1.0).abs() > f64::from(f32::EPSILON) => {
             doubts.push(format!("d {d} and Tr {tr} disagree: d is used"));
             d
         }

@@ -1,14 +1,18 @@
 //! The line scan of an OBJ file: statements to plain lists, every complaint with its place.
 //!
 //! Works on bytes, since comments and names in the wild are not always UTF-8. A line ends at a line feed that no `\`
-//! precedes; such a `\` is a blank. Indices become 0-based; they may point forward, so they are checked at the end.
+//! precedes; such a `\` is a blank. Comments never go on, nor does a line before one that starts with a keyword. Indices
+//! become 0-based; they may point forward, so they are checked at the end, and so is whether anything needs what could
+//! not be read.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::words::{Words, line_end, place};
+use super::names;
+use super::words::{Words, line_at, place};
 use crate::error::{Error, Note};
 use crate::import::polygon;
+use crate::import::text::decode;
 use crate::math::{DVec2, DVec3};
 
 /// No index.
@@ -52,6 +56,36 @@ pub(super) const DROPPED: [&str; 34] = [
     "res",
 ];
 
+/// Statements that are read.
+const READ: [&str; 9] = ["v", "vt", "vn", "f", "o", "g", "s", "usemtl", "mtllib"];
+
+/// Whether a word is one of OBJ's statements.
+pub(super) fn is_keyword(word: &[u8]) -> bool {
+    READ.iter().chain(&DROPPED).any(|k| k.as_bytes() == word)
+}
+
+/// The most items that cannot be read before the file is refused.
+const MAX_UNUSABLE: usize = 1024;
+
+/// A vertex, texture coordinate or normal that cannot be read.
+#[derive(Debug)]
+pub(super) struct Unusable {
+    /// `v`, `vt` or `vn`.
+    pub(super) keyword: &'static str,
+    pub(super) index: u32,
+    pub(super) wrong: Wrong,
+    /// Its numbers are there, but not all finite.
+    pub(super) infinite: bool,
+}
+
+/// What is wrong, and where.
+#[derive(Debug)]
+pub(super) struct Wrong {
+    pub(super) span: Range<usize>,
+    pub(super) message: String,
+    pub(super) help: Option<&'static str>,
+}
+
 /// A face: where its corners end, and where its line starts in the file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
@@ -79,15 +113,15 @@ pub(super) struct Attributes {
     pub(super) group: u32,
 }
 
-/// Names in order of appearance.
+/// Names in order of appearance, as their bytes.
 #[derive(Debug, Default)]
 pub(super) struct Interned {
-    pub(super) list: Vec<String>,
-    index: HashMap<String, u32>,
+    pub(super) list: Vec<Vec<u8>>,
+    index: HashMap<Vec<u8>, u32>,
 }
 
 impl Interned {
-    fn number(&mut self, name: String) -> u32 {
+    fn number(&mut self, name: Vec<u8>) -> u32 {
         let list = &mut self.list;
         *self.index.entry(name).or_insert_with_key(|name| {
             list.push(name.clone());
@@ -114,10 +148,25 @@ pub(super) struct Scan {
     pub(super) objects: Interned,
     pub(super) groups: Interned,
     /// `mtllib` lines: the rest of the line, and its bytes in the file.
-    pub(super) libraries: Vec<(String, Range<usize>)>,
+    pub(super) libraries: Vec<(Vec<u8>, Range<usize>)>,
+    /// What could not be read.
+    pub(super) unusable: Vec<Unusable>,
+    /// Faces of fewer than three corners: how many, and the first.
+    pub(super) thin: Option<(usize, Wrong)>,
+    /// A `\` at a line's end that joins nothing: how many, and the first.
+    pub(super) stray: Option<(usize, Range<usize>)>,
     pub(super) notes: Vec<Note>,
     /// Statements that were dropped: keyword, count, first place.
     pub(super) dropped: Vec<(String, usize, Range<usize>)>,
+}
+
+impl Scan {
+    /// Takes back the corners from a number on.
+    fn drop_corners(&mut self, first: usize) {
+        self.corners.truncate(first);
+        self.corner_texcoords.truncate(first);
+        self.corner_normals.truncate(first);
+    }
 }
 
 /// Scans a file.
@@ -144,6 +193,9 @@ pub(super) fn scan(file: &str, bytes: &[u8]) -> Result<Scan, Error> {
             objects: Interned::default(),
             groups: Interned::default(),
             libraries: Vec::new(),
+            unusable: Vec::new(),
+            thin: None,
+            stray: None,
             notes: Vec::new(),
             dropped: Vec::new(),
         },
@@ -154,9 +206,14 @@ pub(super) fn scan(file: &str, bytes: &[u8]) -> Result<Scan, Error> {
         0
     };
     while start < bytes.len() {
-        let end = line_end(bytes, start);
-        scanner.line(start..end)?;
-        start = end + 1;
+        let line = line_at(bytes, start, is_keyword);
+        scanner.line(start..line.end)?;
+        if line.stray {
+            let last = start + bytes[start..line.end].trim_ascii_end().len();
+            let found = &mut scanner.scan.stray;
+            found.get_or_insert((0, last - 1..last)).0 += 1;
+        }
+        start = line.next.max(line.end + 1);
     }
     scanner.finish()
 }
@@ -171,7 +228,7 @@ pub(super) struct Scanner<'a> {
 
 impl Scanner<'_> {
     pub(super) fn text(&self, span: &Range<usize>) -> String {
-        String::from_utf8_lossy(&self.bytes[span.clone()]).into_owned()
+        decode(&self.bytes[span.clone()]).into_owned()
     }
 
     pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
@@ -187,12 +244,17 @@ impl Scanner<'_> {
             b"v" => self.position(keyword, words),
             b"f" => self.face(line.start, keyword, words),
             b"vn" => {
-                let normal = self.numbers::<3>(&keyword, &mut words, 3)?;
+                let normal = self.numbers::<3>(&keyword, &mut words, 3);
+                let index = self.scan.normals.len();
+                // A normal that is not one has no length: see `build`.
+                let normal = self.usable("vn", index, normal)?.unwrap_or([0.0; 3]);
                 self.scan.normals.push(DVec3::from_array(normal));
                 Ok(())
             }
             b"vt" => {
-                let texcoord = self.numbers::<2>(&keyword, &mut words, 1)?;
+                let texcoord = self.numbers::<2>(&keyword, &mut words, 1);
+                let index = self.scan.texcoords.len();
+                let texcoord = self.usable("vt", index, texcoord)?.unwrap_or([0.0; 2]);
                 self.scan.texcoords.push(DVec2::from_array(texcoord));
                 Ok(())
             }
@@ -203,7 +265,7 @@ impl Scanner<'_> {
             b"s" => self.smoothing(keyword, words),
             b"mtllib" => {
                 let rest = words.rest();
-                let name = self.text(&rest);
+                let name = Words::joined(self.bytes, rest.clone());
                 self.scan.libraries.push((name, rest));
                 Ok(())
             }
@@ -216,12 +278,44 @@ impl Scanner<'_> {
 
     /// `usemtl`, `o` or `g`: names run to the end of the line.
     fn name(&mut self, keyword: Range<usize>, rest: &Range<usize>) {
-        let name = self.text(rest);
+        let name = Words::joined(self.bytes, rest.clone());
         let (scan, now) = (&mut self.scan, &mut self.now);
         match self.bytes[keyword.start] {
             b'u' => now.material = scan.materials.number(name),
-            b'o' => now.object = scan.objects.number(name),
-            _ => now.group = scan.groups.number(name),
+            b'o' => now.object = scan.objects.number(names::label(&name).to_vec()),
+            _ => now.group = scan.groups.number(names::label(&name).to_vec()),
+        }
+    }
+
+    /// The numbers of an item, or none where they cannot be read; what needs it is told at the end.
+    fn usable<const N: usize>(
+        &mut self,
+        keyword: &'static str,
+        index: usize,
+        found: Result<[f64; N], (Wrong, bool)>,
+    ) -> Result<Option<[f64; N]>, Error> {
+        let (wrong, infinite) = match found {
+            Ok(numbers) => return Ok(Some(numbers)),
+            Err(wrong) => wrong,
+        };
+        if self.scan.unusable.len() >= MAX_UNUSABLE {
+            return Err(self.wrong(&wrong));
+        }
+        self.scan.unusable.push(Unusable {
+            keyword,
+            index: index as u32,
+            wrong,
+            infinite,
+        });
+        Ok(None)
+    }
+
+    /// What is wrong as an error.
+    pub(super) fn wrong(&self, wrong: &Wrong) -> Error {
+        let error = self.error(wrong.span.clone(), wrong.message.clone());
+        match wrong.help {
+            Some(help) => error.with_help(help),
+            None => error,
         }
     }
 
@@ -236,26 +330,30 @@ impl Scanner<'_> {
         }
     }
 
-    /// A finite number.
-    fn number(&self, word: Range<usize>) -> Result<f64, Error> {
+    /// A finite number; else what is wrong, and whether it is only not finite.
+    fn number(&self, word: Range<usize>) -> Result<f64, (Wrong, bool)> {
         let text = std::str::from_utf8(&self.bytes[word.clone()]).unwrap_or("");
-        match text.parse::<f64>() {
-            Ok(x) if x.is_finite() && x.abs() <= f64::from(f32::MAX) => Ok(x),
-            Ok(_) => {
-                let found = self.text(&word);
-                Err(self.error(word, format!("expected a finite number, found `{found}`")))
-            }
-            Err(_) => {
-                let found = self.text(&word);
-                let comma = text.contains(',');
-                let error = self.error(word, format!("expected a number, found `{found}`"));
-                Err(if comma {
-                    error.with_help("write decimals with a point")
-                } else {
-                    error
-                })
-            }
+        let parsed = text.parse::<f64>();
+        if let Ok(x) = parsed
+            && x.is_finite()
+            && x.abs() <= f64::from(f32::MAX)
+        {
+            return Ok(x);
         }
+        let found = self.text(&word);
+        let infinite = parsed.is_ok();
+        let what = if infinite {
+            "a finite number"
+        } else {
+            "a number"
+        };
+        let comma = text.contains(',');
+        let wrong = Wrong {
+            span: word,
+            message: format!("expected {what}, found `{found}`"),
+            help: comma.then_some("write decimals with a point"),
+        };
+        Err((wrong, infinite))
     }
 
     /// Up to N numbers, at least `least`; missing ones are 0.
@@ -264,15 +362,19 @@ impl Scanner<'_> {
         keyword: &Range<usize>,
         words: &mut Words<'_>,
         least: usize,
-    ) -> Result<[f64; N], Error> {
+    ) -> Result<[f64; N], (Wrong, bool)> {
         let mut numbers = [0.0; N];
         for (i, x) in numbers.iter_mut().enumerate() {
             match words.next() {
                 Some(word) => *x = self.number(word)?,
                 None if i < least => {
                     let name = self.text(keyword);
-                    let message = format!("`{name}` needs {least} numbers, found {i}");
-                    return Err(self.error(keyword.clone(), message));
+                    let wrong = Wrong {
+                        span: keyword.clone(),
+                        message: format!("`{name}` needs {least} numbers, found {i}"),
+                        help: None,
+                    };
+                    return Err((wrong, false));
                 }
                 None => break,
             }
@@ -282,12 +384,15 @@ impl Scanner<'_> {
 
     /// `v x y z`, and what some programs put behind: a weight (4 numbers) or a colour (6 or 7).
     fn position(&mut self, keyword: Range<usize>, mut words: Words<'_>) -> Result<(), Error> {
-        let position = self.numbers::<3>(&keyword, &mut words, 3)?;
+        let position = self.numbers::<3>(&keyword, &mut words, 3);
+        let index = self.scan.positions.len();
+        let position = self.usable("v", index, position)?.unwrap_or([f64::NAN; 3]);
         self.scan.positions.push(DVec3::from_array(position));
         let mut extra = 0;
         let mut last = 0.0;
         for word in words {
-            last = self.number(word)?;
+            // They are dropped anyway, so that one of them may be anything.
+            last = self.number(word).unwrap_or(0.0);
             extra += 1;
         }
         if extra == 1 && last == 1.0 {
@@ -331,8 +436,14 @@ impl Scanner<'_> {
         }
         let count = self.scan.corners.len() - first;
         if count < 3 {
-            let message = format!("a face needs 3 corners or more, found {count}");
-            return Err(self.error(keyword, message));
+            let wrong = Wrong {
+                span: keyword,
+                message: format!("a face needs 3 corners or more, found {count}"),
+                help: None,
+            };
+            self.scan.thin.get_or_insert((0, wrong)).0 += 1;
+            self.scan.drop_corners(first);
+            return Ok(());
         }
         if count > polygon::MAX_CORNERS {
             let most = polygon::MAX_CORNERS;

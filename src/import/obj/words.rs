@@ -3,23 +3,49 @@
 use std::ops::Range;
 
 use crate::error::Place;
+use crate::import::text::decode;
 
-/// The end of the logical line that starts at `start`: a line feed without a `\` before it, or the file's end.
-pub(super) fn line_end(bytes: &[u8], start: usize) -> usize {
+/// A logical line: physical ones that `\` joins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Line {
+    /// Where it ends.
+    pub(super) end: usize,
+    /// Where the next one starts.
+    pub(super) next: usize,
+    /// Its last `\` joins nothing, since the next line starts with a keyword: names end with one now and then, as
+    /// folders do, and as the second byte of characters of Shift-JIS.
+    pub(super) stray: bool,
+}
+
+/// The logical line that starts at `start`. Every physical one ends with a line feed. Comments never go on.
+pub(super) fn line_at(bytes: &[u8], start: usize, is_keyword: fn(&[u8]) -> bool) -> Line {
     let mut from = start;
     loop {
-        let Some(length) = bytes[from..].iter().position(|b| *b == b'\n') else {
-            return bytes.len();
-        };
-        let end = from + length;
-        let line = bytes[start..end]
-            .strip_suffix(b"\r")
-            .unwrap_or(&bytes[start..end]);
-        if !line.ends_with(b"\\") {
-            return end;
+        let feed = bytes[from..].iter().position(|b| *b == b'\n');
+        let end = feed.map_or(bytes.len(), |length| from + length);
+        let next = (end + 1).min(bytes.len());
+        let line = bytes[from..end].strip_suffix(b"\r");
+        let line = line.unwrap_or(&bytes[from..end]);
+        let mut stray = false;
+        if line.ends_with(b"\\") && comment(line).is_none() {
+            let first = Words::new(bytes, next..bytes.len()).on_this_line();
+            match first {
+                Some(word) if is_keyword(&bytes[word.clone()]) => stray = true,
+                Some(_) => {
+                    from = next;
+                    continue;
+                }
+                None => {}
+            }
         }
-        from = end + 1;
+        return Line { end, next, stray };
     }
+}
+
+/// Where the comment of a line starts: at a `#` that begins a word.
+pub(super) fn comment(line: &[u8]) -> Option<usize> {
+    let starts = |i: &usize| line[*i] == b'#' && (*i == 0 || line[*i - 1].is_ascii_whitespace());
+    (0..line.len()).find(starts)
 }
 
 /// The words of a logical line, as byte ranges of the file.
@@ -36,6 +62,31 @@ impl<'a> Words<'a> {
             at: line.start,
             end: line.end,
         }
+    }
+
+    /// The first word, where it stands on the physical line.
+    fn on_this_line(mut self) -> Option<Range<usize>> {
+        let start = self.at;
+        let word = self.next()?;
+        let between = &self.bytes[start..word.start];
+        (!between.contains(&b'\n')).then_some(word)
+    }
+
+    /// The bytes of a range, with a blank for each line that ends in it.
+    pub(super) fn joined(bytes: &[u8], range: Range<usize>) -> Vec<u8> {
+        let mut text = Vec::with_capacity(range.len());
+        for byte in &bytes[range] {
+            match byte {
+                b'\n' => {
+                    while matches!(text.last(), Some(b'\r' | b'\\')) {
+                        text.pop();
+                    }
+                    text.push(b' ');
+                }
+                byte => text.push(*byte),
+            }
+        }
+        text
     }
 
     fn is_blank(&self, at: usize) -> bool {
@@ -94,7 +145,7 @@ pub(super) fn place(file: &str, bytes: &[u8], span: Range<usize>) -> Place {
         .position(|b| *b == b'\n')
         .map_or(bytes.len(), |i| start + i);
     let end = span.end.clamp(start, line_end);
-    let text = |range: Range<usize>| String::from_utf8_lossy(&bytes[range]).into_owned();
+    let text = |range: Range<usize>| decode(&bytes[range]).into_owned();
     Place {
         file: file.to_owned(),
         line: bytes[..line_start].iter().filter(|b| **b == b'\n').count() + 1,

@@ -1,11 +1,11 @@
-//! PNG, JPEG, BMP and Radiance HDR through the packages that know them.
+//! PNG, JPEG and BMP through the packages that know them.
 
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use rastray_compare::Encoding;
 
-use super::{Assumed, Decoded, PictureFormat, Trouble, checked_size, plane};
+use super::{Assumed, Decoded, PictureFormat, Trouble, bitmap, checked_size, orientation, plane};
 use crate::import::MAX_PIXELS;
 
 /// What this program's own files say of themselves, in the text chunk `Encoding`.
@@ -43,6 +43,11 @@ pub(super) fn png(bytes: &[u8]) -> Result<Decoded, Trouble> {
     Ok(Decoded {
         bits: Some(if wide { 16 } else { 8 }),
         pixels,
+        orientation: reader
+            .info()
+            .exif_metadata
+            .as_deref()
+            .map_or(1, orientation::of_exif),
         assumed: png_encoding(reader.info()),
         notes,
     })
@@ -72,44 +77,89 @@ fn png_encoding(info: &png::Info) -> Assumed {
     }
 }
 
-/// JPEG, BMP and HDR.
+/// JPEG and BMP.
 pub(super) fn other(format: PictureFormat, bytes: &[u8]) -> Result<Decoded, Trouble> {
     let known = match format {
         PictureFormat::Jpeg => ImageFormat::Jpeg,
-        PictureFormat::Bmp => ImageFormat::Bmp,
-        _ => ImageFormat::Hdr,
+        _ => ImageFormat::Bmp,
     };
-    // The decoder fills what is missing with grey.
-    if known == ImageFormat::Jpeg && !ends_as_jpeg(bytes) {
-        return Err(Trouble::broken("its end mark is missing"));
+    if known == ImageFormat::Jpeg {
+        refuse_jpeg_kinds(bytes)?;
+        // The decoder fills what is missing with grey.
+        if !ends_as_jpeg(bytes) {
+            return Err(Trouble::broken("its end mark is missing"));
+        }
+    } else if let Some(deep) = bitmap::deep(bytes)? {
+        return Ok(deep);
     }
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(16 * MAX_PIXELS);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), known);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(Trouble::broken)?;
+    let mut decoder = reader.into_decoder().map_err(|e| refused(format, e))?;
     let (width, height) = decoder.dimensions();
     let size = checked_size(width.into(), height.into())?;
-    let picture = DynamicImage::from_decoder(decoder).map_err(Trouble::broken)?;
+    // Data that cannot be read say nothing.
+    let exif = decoder.exif_metadata().ok().flatten();
+    let picture = DynamicImage::from_decoder(decoder).map_err(|e| refused(format, e))?;
     let mut notes = Vec::new();
-    let float = known == ImageFormat::Hdr;
-    let (channels, values) = if float {
-        (3, picture.into_rgb32f().into_raw())
-    } else if picture.color().has_alpha() {
+    let (channels, values) = if picture.color().has_alpha() {
         (4, fractions(&picture.into_rgba8()))
     } else {
         (3, fractions(&picture.into_rgb8()))
     };
     let pixels = plane(size, channels, &values, &mut notes);
     Ok(Decoded {
-        bits: (!float).then_some(8),
+        bits: Some(8),
         pixels,
-        assumed: match float {
-            true => Assumed::new(Encoding::Linear, "HDR files hold light"),
-            false => Assumed::unmarked(),
-        },
+        orientation: exif.as_deref().map_or(1, orientation::of_exif),
+        assumed: Assumed::unmarked(),
         notes,
     })
+}
+
+/// Why the package refused a file: its kind, or what is in it.
+fn refused(format: PictureFormat, error: image::ImageError) -> Trouble {
+    match error {
+        image::ImageError::Unsupported(what) => {
+            let message = format!(
+                "this {} is of a kind that is not read: {what}",
+                format.name()
+            );
+            Trouble::Unsupported(message, "save the picture as PNG".into())
+        }
+        error => Trouble::broken(error),
+    }
+}
+
+/// Refuses the kinds of JPEG that hardly anything reads, by the mark before the size (ITU-T T.81, table B.1).
+fn refuse_jpeg_kinds(bytes: &[u8]) -> Result<(), Trouble> {
+    let mut at = 2;
+    while let Some(&[0xff, mark, high, low, precision, ..]) = bytes.get(at..) {
+        if mark == 0xff {
+            at += 1;
+            continue;
+        }
+        let frame = matches!(mark, 0xc0..=0xcf) && !matches!(mark, 0xc4 | 0xc8 | 0xcc);
+        if mark == 0xda || frame && mark <= 0xc2 && precision == 8 {
+            return Ok(());
+        }
+        if frame {
+            let kind = match mark {
+                0xc0..=0xc2 => format!("a JPEG of {precision} bits a value"),
+                0xc3 => "a lossless JPEG".to_owned(),
+                0xc5..=0xc7 => "a hierarchical JPEG".to_owned(),
+                _ => "a JPEG with arithmetic coding".to_owned(),
+            };
+            let message = format!("this is {kind}, which is not read");
+            return Err(Trouble::Unsupported(
+                message,
+                "save the picture as PNG".into(),
+            ));
+        }
+        at += 2 + usize::from(u16::from_be_bytes([high, low]));
+    }
+    Ok(())
 }
 
 fn fractions(bytes: &[u8]) -> Vec<f32> {

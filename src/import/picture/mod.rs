@@ -7,17 +7,20 @@
 //! | format | read by | values |
 //! | - | - | - |
 //! | PNG (all depths, grey, palette, alpha, interlaced) | `png` | integers |
-//! | JPEG, BMP | `image` (pure Rust: zune-jpeg) | 8 bits |
-//! | Radiance HDR | `image` | floats of 8-bit mantissas |
-//! | OpenEXR (f16, f32, u32; one layer of many; not deep) | `exr` | floats |
+//! | JPEG, BMP | `image` (pure Rust: zune-jpeg); BMP with channels above 8 bits: `bitmap` | 8 bits, or as many as there are |
+//! | Radiance HDR | `radiance` | floats of 8-bit mantissas, exposure divided out |
+//! | OpenEXR (f16, f32, u32; one layer or part of many; luminance and chroma; not deep) | `exr` | floats |
 //! | PPM, PGM (text and binary, up to 16 bits), PFM | `portable`: `image` reads no PFM and leaves PNM values unscaled | integers; floats |
 //!
 //! Nothing is decoded: neither the sRGB curve nor a colour profile. Alpha: a picture with straight alpha (PNG, BMP) is shown
 //! over black, EXR's is so already. Nothing beyond [`MAX_BYTES`] and [`MAX_PIXELS`] is taken into memory.
 
+mod bitmap;
 mod coded;
 mod openexr;
+mod orientation;
 mod portable;
+mod radiance;
 
 use std::path::Path;
 
@@ -136,12 +139,23 @@ pub struct PictureFile {
     pub format: PictureFormat,
     /// Bits of a stored value; none for floats.
     pub bits: Option<u8>,
-    /// The stored values: integers in [0, 1], floats as they are. All finite.
+    /// The stored values: integers in [0, 1], floats as they are. All finite, unless [`ReadOptions::non_finite`] was asked.
     pub pixels: Plane<[f32; 3]>,
     /// How they relate to light.
     pub assumed: Assumed,
     /// What was left out or taken in a way that a reader should know: alpha, windows.
     pub notes: Vec<Note>,
+}
+
+/// How to read a picture file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReadOptions<'a> {
+    /// The layer of EXR files; without it, the picture itself.
+    pub layer: Option<&'a str>,
+    /// Turn and mirror the picture as its EXIF orientation says.
+    pub orient: bool,
+    /// Take values that are infinite or not a number.
+    pub non_finite: bool,
 }
 
 /// Reads a picture file.
@@ -152,6 +166,18 @@ pub struct PictureFile {
 /// A file that cannot be read, is none of the formats, is broken or cut off, holds values that are not finite, or is
 /// larger than the limits.
 pub fn read(path: &Path, layer: Option<&str>) -> Result<PictureFile, Error> {
+    let options = ReadOptions {
+        layer,
+        ..ReadOptions::default()
+    };
+    read_with(path, options)
+}
+
+/// Reads a picture file as [`read`] does, with options.
+///
+/// # Errors
+/// Those of [`read`]; values that are not finite only where they are not asked for.
+pub fn read_with(path: &Path, options: ReadOptions<'_>) -> Result<PictureFile, Error> {
     let name = path.display().to_string();
     if path.is_dir() {
         let error = Error::input(Place::file(name), "this is a folder, not a picture");
@@ -164,11 +190,25 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<PictureFile, Error> {
         );
     }
     let bytes = read_limited(path, MAX_BYTES, "compare a part of the picture")?;
-    decode(&name, &bytes, layer)
+    decode_with(&name, &bytes, options)
 }
 
 /// The picture in a file's bytes; `name` is for messages. See [`read`].
 pub fn decode(name: &str, bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, Error> {
+    let options = ReadOptions {
+        layer,
+        ..ReadOptions::default()
+    };
+    decode_with(name, bytes, options)
+}
+
+/// The picture in a file's bytes; `name` is for messages. See [`read_with`].
+pub fn decode_with(
+    name: &str,
+    bytes: &[u8],
+    options: ReadOptions<'_>,
+) -> Result<PictureFile, Error> {
+    let layer = options.layer;
     let Some(format) = PictureFormat::of_bytes(bytes) else {
         return Err(unknown(name, bytes));
     };
@@ -178,27 +218,43 @@ pub fn decode(name: &str, bytes: &[u8], layer: Option<&str>) -> Result<PictureFi
     }
     let decoded = match format {
         PictureFormat::Png => coded::png(bytes),
-        PictureFormat::Jpeg | PictureFormat::Bmp | PictureFormat::Hdr => {
-            coded::other(format, bytes)
-        }
+        PictureFormat::Jpeg | PictureFormat::Bmp => coded::other(format, bytes),
+        PictureFormat::Hdr => radiance::read(bytes),
         PictureFormat::Ppm | PictureFormat::Pgm | PictureFormat::Pfm => portable::read(bytes),
         PictureFormat::Exr => openexr::read(bytes, layer),
     };
     let Decoded {
         bits,
-        pixels,
+        mut pixels,
+        orientation,
         assumed,
-        notes,
+        mut notes,
     } = decoded.map_err(|trouble| trouble.error(name, format))?;
+    if orientation != 1 {
+        let how = orientation::describe(orientation);
+        notes.push(if options.orient {
+            pixels = orientation::upright(&pixels, orientation);
+            format!("it is {how}, as its EXIF orientation {orientation} says")
+        } else {
+            format!(
+                "its EXIF orientation {orientation} says that it is to be {how}; it is taken as stored (--orient turns it)"
+            )
+        });
+    }
     let bad = |p: &[f32; 3]| !p.iter().all(|v| v.is_finite());
-    if let Some(first) = pixels.data.iter().position(bad) {
+    if let Some(first) = pixels
+        .data
+        .iter()
+        .position(bad)
+        .filter(|_| !options.non_finite)
+    {
         let (x, y) = (first % pixels.width, first / pixels.width);
         let count = pixels.data.iter().filter(|p| bad(p)).count();
         let message = format!(
             "{count} pixels hold a value that is infinite or not a number, the first of them {x} {y}"
         );
         return Err(Error::input(Place::file(name), message)
-            .with_help("such values have no distance to others; write the picture without them"));
+            .with_help("such values have no distance to others; `diff --nan` counts them and compares the rest"));
     }
     let note = |message| Note {
         place: Some(Place::file(name)),
@@ -216,9 +272,19 @@ pub fn decode(name: &str, bytes: &[u8], layer: Option<&str>) -> Result<PictureFi
 
 /// What is wrong with a file that is no picture of the known kinds.
 fn unknown(name: &str, bytes: &[u8]) -> Error {
-    const OTHERS: [(&[u8], &str); 9] = [
+    const OTHERS: [(&[u8], &str); 19] = [
         (b"GIF8", "this is a GIF"),
         (b"RIFF", "this is WebP or another RIFF file"),
+        (b"II+\0", "this is a BigTIFF"),
+        (b"MM\0+", "this is a BigTIFF"),
+        (b"\0\0\0\x0cjP  ", "this is a JPEG 2000"),
+        (b"\xff\x4f\xff\x51", "this is a JPEG 2000"),
+        (b"\0\0\0\x0cJXL ", "this is a JPEG XL"),
+        (b"\xff\x0a", "this is a JPEG XL"),
+        (b"8BPS", "this is a Photoshop file"),
+        (b"\0\0\x01\0", "this is an icon (ICO)"),
+        (b"\xabKTX", "this is a KTX texture"),
+        (b"PF4", "this is a PFM of four channels"),
         (b"II*\0", "this is a TIFF"),
         (b"MM\0*", "this is a TIFF"),
         (b"P1", "this is a PBM bitmap"),
@@ -228,12 +294,23 @@ fn unknown(name: &str, bytes: &[u8]) -> Error {
         (b"DDS ", "this is a DDS"),
     ];
     let found = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic));
-    let what = match found {
+    let names = PictureFormat::ALL.map(PictureFormat::name).join(", ");
+    // AVIF and HEIC: a box whose kind stands behind its length.
+    let boxed = bytes.get(4..8) == Some(b"ftyp");
+    let what = match found
+        .map(|(_, what)| *what)
+        .or(boxed.then_some("this is an AVIF, HEIC or video file"))
+    {
         _ if bytes.is_empty() => "the file is empty",
-        Some((_, what)) => what,
+        Some(what) => {
+            return Error::Unsupported {
+                place: Some(Box::new(Place::file(name))),
+                message: format!("{what}, which is not read; expected one of {names}"),
+                help: Some("save the picture as PNG, or as EXR if it holds floats".into()),
+            };
+        }
         None => "this is no picture in a known format",
     };
-    let names = PictureFormat::ALL.map(PictureFormat::name).join(", ");
     Error::input(
         Place::file(name),
         format!("{what}; expected one of {names}"),
@@ -245,6 +322,8 @@ fn unknown(name: &str, bytes: &[u8]) -> Error {
 struct Decoded {
     bits: Option<u8>,
     pixels: Plane<[f32; 3]>,
+    /// How to hold the picture: see [`orientation`]; 1 = as stored.
+    orientation: u8,
     assumed: Assumed,
     notes: Vec<String>,
 }

@@ -30,7 +30,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Decoded, Trouble> {
             let count = size.0 * size.1 * channels;
             let values = match text {
                 true => text_values(&mut words, count)?,
-                false => binary_values(words.rest()?, count, largest)?,
+                false => {
+                    let bytes = if largest < 256 { count } else { 2 * count };
+                    binary_values(words.rest(bytes)?, count, largest)?
+                }
             };
             whole_numbers(size, channels, largest, &values)
         }
@@ -54,6 +57,7 @@ fn whole_numbers(
     Ok(Decoded {
         bits: Some(if largest > 255 { 16 } else { 8 }),
         pixels: plane(size, channels, &values, &mut Vec::new()),
+        orientation: 1,
         assumed: Assumed::unmarked(),
         notes: Vec::new(),
     })
@@ -104,7 +108,8 @@ fn floats(mut words: Words, channels: usize) -> Result<Decoded, Trouble> {
         .ok_or_else(|| {
             Trouble::broken(format!("scale {scale:?}: expected a number other than 0"))
         })?;
-    let data = exactly(words.rest()?, 4 * width * height * channels)?;
+    let length = 4 * width * height * channels;
+    let data = exactly(words.rest(length)?, length)?;
     let value = |b: &[u8]| {
         let b = [b[0], b[1], b[2], b[3]];
         if scale < 0.0 {
@@ -128,6 +133,7 @@ fn floats(mut words: Words, channels: usize) -> Result<Decoded, Trouble> {
     Ok(Decoded {
         bits: None,
         pixels,
+        orientation: 1,
         assumed: Assumed::new(Encoding::Linear, "PFM files hold light"),
         notes,
     })
@@ -181,12 +187,12 @@ impl<'a> Words<'a> {
         checked_size(width, height)
     }
 
-    /// What follows the one white space after the header.
-    fn rest(&self) -> Result<&'a [u8], Trouble> {
-        let after = |b: &u8| b.is_ascii_whitespace();
-        match self.bytes.get(self.at).filter(|b| after(b)) {
-            Some(_) => Ok(&self.bytes[self.at + 1..]),
-            None => Err(Trouble::broken("it ends before the pixels")),
+    /// What follows the one white space after the header, of at least so many bytes. CR LF is one where it leaves as much.
+    fn rest(&self, expected: usize) -> Result<&'a [u8], Trouble> {
+        match &self.bytes[self.at..] {
+            [b'\r', b'\n', rest @ ..] if rest.len() >= expected => Ok(rest),
+            [space, rest @ ..] if space.is_ascii_whitespace() => Ok(rest),
+            _ => Err(Trouble::broken("it ends before the pixels")),
         }
     }
 }

@@ -9,13 +9,14 @@ use crate::import::keys::MAX_MESH_TRIANGLES;
 use crate::import::lexer::{Token, quote};
 use crate::import::obj;
 use crate::import::text::{self, MAX_MESH};
+use crate::import::tiny;
 use crate::scene::{Geometry, Mesh};
 
 impl Reader<'_> {
     pub(super) fn mesh(&mut self, file: &File, command: &mut Command<'_, '_>) -> Result<(), Error> {
         let material = self.material(file, command)?;
         let token = command.name("the file")?;
-        let path = file.beside(token.text);
+        let path = self.found(file, command, &token);
         let mesh = match self.meshes.get(&path) {
             Some(mesh) => mesh.clone(),
             None => {
@@ -61,11 +62,12 @@ impl Reader<'_> {
                 Error::input(crate::error::Place::file(&name), "the mesh has no face")
             });
         }
-        let text = text::lossy(&name, self.home.read(path, MAX_MESH)?)?;
+        let text = text::plain(&name, self.home.read(path, MAX_MESH)?)?;
         let mesh = match extension.as_str() {
             "off" => off::read(&name, &text, &mut self.notes)?,
             _ => ray::read(&name, &text, &mut self.notes)?,
         };
+        self.notes.extend(tiny::note(&mesh, Some(token.text)));
         Ok(Arc::new(mesh))
     }
 }

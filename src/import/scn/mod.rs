@@ -34,7 +34,7 @@ mod view;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::lexer::Lexer;
+use super::lexer::{Lexer, Token};
 use super::native::Contents;
 use super::text::{self, Home};
 use crate::error::{Error, Note, Place};
@@ -131,14 +131,18 @@ impl File {
         self.groups.last()
     }
 
+    /// The folder that it lies in, with a slash at the end.
+    fn folder(&self) -> &str {
+        let folder = self.path.rfind(['/', '\\']);
+        folder.map_or("", |i| &self.path[..=i])
+    }
+
     /// The path of a file that this one names.
     fn beside(&self, name: &str) -> String {
         if std::path::Path::new(name).is_absolute() {
             return name.to_owned();
         }
-        let folder = self.path.rfind(['/', '\\']);
-        let folder = folder.map_or("", |i| &self.path[..=i]);
-        format!("{folder}{name}")
+        format!("{}{name}", self.folder())
     }
 }
 
@@ -178,7 +182,7 @@ impl<'h> Reader<'h> {
             let message = format!("{name}: the scene and its includes exceed {limit} MiB");
             return Err(Error::limit(message).with_help("keep large meshes in .off or .obj files"));
         }
-        let text = text::lossy(&name, bytes)?;
+        let text = text::plain(&name, bytes)?;
         let mut lexer = Lexer::new(&name, &text);
         let group = Group {
             world_from_group,
@@ -291,7 +295,7 @@ impl<'h> Reader<'h> {
 
     fn include(&mut self, file: &File, command: &mut Command<'_, '_>) -> Result<(), Error> {
         let token = command.name("the file")?;
-        let path = file.beside(token.text);
+        let path = self.found(file, command, &token);
         let refuse = |message: String| Err(command.error(&token, message));
         if self.open_files.contains(&path) {
             return refuse(format!("{} includes itself", self.home.name(&path)));
@@ -343,6 +347,22 @@ impl<'h> Reader<'h> {
             tessellation: None,
         });
         Ok(())
+    }
+
+    /// The path of a file that a file names, or of the one that it most likely means, with a note.
+    fn found(&mut self, file: &File, command: &Command<'_, '_>, token: &Token<'_>) -> String {
+        let path = file.beside(token.text);
+        if self.home.exists(&path) {
+            return path;
+        }
+        let found = self.home.find(file.folder(), token.text.as_bytes());
+        let found = found.and_then(|(found, _)| found.into_os_string().into_string().ok());
+        let Some(found) = found else {
+            return path;
+        };
+        let message = format!("{}: {} is read", token.text, self.home.name(&found));
+        self.note_at(command, "file", message);
+        found
     }
 
     /// Counts what a word makes, from 1.

@@ -26,7 +26,7 @@ use super::picture::Picture;
 use crate::error::{Error, Place};
 use crate::frame::Plane;
 use crate::import::picture::PictureFile;
-use crate::math::color::linear_from_srgb;
+use crate::math::color::{linear_from_srgb, srgb_from_linear};
 
 /// One of the two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -57,6 +57,21 @@ pub struct Options {
     pub decode: Option<Which>,
 }
 
+/// Values that are infinite or not a number: what `--nan` counts. The metrics leave them out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct NonFinite {
+    /// Pixels of A that hold one.
+    pub a: usize,
+    /// Pixels of B that hold one.
+    pub b: usize,
+    /// Pixels where one picture holds one and the other does not, or one of another kind. NaN equals NaN, and an infinity
+    /// the same infinity.
+    pub differing: usize,
+    /// Those of them that differ in another channel, too, by finite values.
+    #[serde(skip)]
+    also: usize,
+}
+
 /// Every number of the comparison: `summary.json`, and what `--json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiffSummary {
@@ -70,6 +85,8 @@ pub struct DiffSummary {
     pub metrics: Metrics,
     /// Pixels that differ in at least one channel.
     pub pixels_differing: usize,
+    /// Values that have no distance to others; null where all are finite.
+    pub non_finite: Option<NonFinite>,
     /// Which form of FLIP, from how far.
     pub flip: FlipKind,
     /// How far apart the pictures are under each reading of their values.
@@ -156,6 +173,8 @@ impl Diff {
         command: String,
     ) -> Result<Self, Error> {
         check_sizes(&a, &b)?;
+        let (mut a, mut b) = (a, b);
+        let non_finite = leave_out_non_finite(&mut a.pixels, &mut b.pixels);
         let readings = readings(&a.pixels, &b.pixels);
         let sides = [(&a, Which::A), (&b, Which::B)].map(|(file, which)| Side {
             file: file.name.clone(),
@@ -184,7 +203,8 @@ impl Diff {
             ppd: options.ppd,
             range,
         };
-        let measured = Measured::new(&a, &b, viewing)?;
+        let any_decoded = sides.iter().any(|side| side.decoded);
+        let measured = Measured::new(&a, &b, viewing, any_decoded)?;
         let [side_a, side_b] = sides;
         let exposures = |e: Exposures| (e.start, e.stop, e.count);
         let summary = DiffSummary {
@@ -192,7 +212,9 @@ impl Diff {
             a: side_a,
             b: side_b,
             metrics: measured.metrics,
-            pixels_differing: measured.pixels_differing,
+            pixels_differing: measured.pixels_differing
+                + non_finite.map_or(0, |n| n.differing - n.also),
+            non_finite,
             flip: FlipKind {
                 form: if range == DynamicRange::High {
                     "HDR"
@@ -296,7 +318,13 @@ struct Measured {
 }
 
 impl Measured {
-    fn new(a: &Plane<[f32; 3]>, b: &Plane<[f32; 3]>, viewing: Viewing) -> Result<Self, Error> {
+    /// `decoded`: the planes hold light, which a screen shows encoded.
+    fn new(
+        a: &Plane<[f32; 3]>,
+        b: &Plane<[f32; 3]>,
+        viewing: Viewing,
+        decoded: bool,
+    ) -> Result<Self, Error> {
         let refused = |e: CompareError| match e {
             e @ CompareError::PixelsPerDegree { .. } => Error::parameter("--ppd", e.to_string()),
             e => Error::limit(format!("cannot compare the pictures: {e}")),
@@ -304,15 +332,22 @@ impl Measured {
         let measure = || {
             let (reference, test) = (stored(a)?, stored(b)?);
             let both = Comparison::new(&test, &reference, viewing)?;
+            let mut metrics = both.metrics();
+            let mut flip = both.flip().clone();
+            if decoded && viewing.range == DynamicRange::Low {
+                let (a, b) = (encoded(a), encoded(b));
+                flip = rastray_compare::flip(&stored(&b)?, &stored(&a)?, viewing)?;
+                metrics.flip = flip.summary();
+            }
             let differences = rastray_compare::differences(&test, &reference)?;
             let (w, h, largest) = (a.width, a.height, Reduction::Largest);
             Ok(Self {
-                metrics: both.metrics(),
+                metrics,
                 pixels_differing: pixels_differing(&test, &reference)?,
-                exposures: both.flip().exposures,
+                exposures: flip.exposures,
                 difference: signed_map(w, h, &differences, largest)?,
                 error: magnitude_map(w, h, &differences, largest)?,
-                flip: flip_map(both.flip())?,
+                flip: flip_map(&flip)?,
             })
         };
         measure().map_err(refused)
@@ -327,6 +362,35 @@ fn stored(plane: &Plane<[f32; 3]>) -> Result<ImageView<'_>, CompareError> {
 /// The values decoded from sRGB; beyond [0, 1] the curve goes on, and negative values mirror it.
 fn decoded(plane: &Plane<[f32; 3]>) -> Plane<[f32; 3]> {
     plane.map(|p| p.map(|x| (linear_from_srgb(f64::from(x.abs())) as f32).copysign(x)))
+}
+
+/// Light as the values that a screen is given.
+fn encoded(plane: &Plane<[f32; 3]>) -> Plane<[f32; 3]> {
+    plane.map(|p| p.map(|x| srgb_from_linear(f64::from(x.clamp(0.0, 1.0))) as f32))
+}
+
+/// Counts values that are not finite, and sets them to 0 in both pictures, so that the rest can be measured; none where
+/// there are none.
+fn leave_out_non_finite(a: &mut Plane<[f32; 3]>, b: &mut Plane<[f32; 3]>) -> Option<NonFinite> {
+    let mut found = NonFinite::default();
+    for (a, b) in a.data.iter_mut().zip(&mut b.data) {
+        let bad = |p: &[f32; 3]| p.iter().any(|v| !v.is_finite());
+        found.a += usize::from(bad(a));
+        found.b += usize::from(bad(b));
+        let (mut differs, mut finite_differs) = (false, false);
+        for (a, b) in a.iter_mut().zip(b.iter_mut()) {
+            if a.is_finite() && b.is_finite() {
+                finite_differs |= a != b;
+                continue;
+            }
+            differs |= !(a.is_nan() && b.is_nan() || *a == *b);
+            (*a, *b) = (0.0, 0.0);
+        }
+        // A pixel that differs elsewhere, too, is counted there.
+        found.differing += usize::from(differs);
+        found.also += usize::from(differs && finite_differs);
+    }
+    (found != NonFinite::default()).then_some(found)
 }
 
 /// The distances under each reading.
@@ -390,7 +454,7 @@ impl DiffSummary {
     /// How much differs, in a sentence.
     pub fn verdict(&self) -> String {
         let [w, h] = self.size;
-        match self.pixels_differing {
+        let verdict = match self.pixels_differing {
             0 => format!("The pictures are the same: all values of {w} x {h} pixels are equal."),
             n => format!(
                 "{} of {} pixels ({}) differ; B - A is at most {}, rmse {}.",
@@ -399,6 +463,16 @@ impl DiffSummary {
                 percent(n, w * h),
                 value(self.metrics.max),
                 value(self.metrics.rmse)
+            ),
+        };
+        match self.non_finite {
+            None => verdict,
+            Some(found) => format!(
+                "{verdict} {} pixels of A and {} of B hold NaN or infinity, which the numbers leave out; at {} of them the \
+                 other picture holds something else.",
+                count(found.a),
+                count(found.b),
+                count(found.differing)
             ),
         }
     }

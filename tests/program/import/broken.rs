@@ -883,7 +883,7 @@ const MESHES: &[(&str, &str)] = &[
         "2:3 expected a smoothing group or `off`, found `red`",
     ),
     (
-        "v 0 0 0\nvn 1 0\nf 1 1 1\n",
+        "v 0 0 0\nvn 1 0\nf 1//1 1 1\n",
         "2:1 `vn` needs 3 numbers, found 2",
     ),
     ("v 0 0 0\n", "the mesh has no face"),

@@ -2,8 +2,11 @@
 
 mod broken;
 mod include;
+mod lines;
 mod mesh;
 mod mutate;
+mod names;
+mod polygons;
 mod schema;
 mod scn;
 mod strict;
