@@ -1,8 +1,9 @@
 //! `array::map` for short arrays in kernels, written out.
 //!
 //! The standard library's `map` goes through an iterator that stops early; closures that it is given are not always inlined,
-//! and every closure gets a copy of it (398 of them, 7 % of the library's code before optimization, 2026-12). [`Each::each`]
-//! calls the closure once an element, in order, and is always inlined. Elsewhere `map` reads as well and costs nothing.
+//! and every closure gets a copy of it (hundreds, 6 to 7 % of the library's code before optimization, 2026-12).
+//! [`Each::each`] calls the closure once an element, in order, and is always inlined. Elsewhere `map` reads as well and costs
+//! nothing.
 
 /// An array whose elements a function is applied to, one by one, in order.
 pub(crate) trait Each {

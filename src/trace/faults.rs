@@ -6,7 +6,7 @@
 //! What a right picture pays: one test of a flag at each of these places; what a mistake does is out of line. As calls, with
 //! shadow rays passed by value, the places had up to 1.6 % of the instructions of `render whitted --mode trace`, the work of the
 //! right answers in the same lines included (`valgrind --tool=callgrind` by source line, 2026-12). A type parameter would take
-//! that to 0 and compile the tracer twice, which costs every build more than that.
+//! that to 0, and compile the tracer twice in every build.
 
 use super::bvh::Walker;
 use super::optics::reflect;

@@ -216,7 +216,7 @@ fn choose(data: &MetaData, layer: Option<&str>) -> Option<Choice> {
         let first = |part: &usize| {
             let views = data.headers[*part].own_attributes.multi_view_names.as_ref();
             let view = views.and_then(|views| views.first());
-            view.is_some_and(|view| view.to_string() == layer)
+            view.is_some_and(|view| view == layer)
         };
         parts()
             .find(first)

@@ -164,11 +164,15 @@ fn count(lexer: &mut Lexer<'_>, of: &str) -> Result<u64, Error> {
     u64::try_from(count).map_err(|_| lexer.expected(&what, Some(&token)))
 }
 
-/// The third count, of edges, is often left out or wrong, and nothing needs it: the rest of the line, or a line of one
-/// number.
+/// The third count, of edges, is often left out or wrong, and nothing needs it: one more number on the line, or a
+/// line of one number.
 fn skip_edges(lexer: &mut Lexer<'_>) {
-    if lexer.next_on_line().is_some() {
-        return lexer.skip_line();
+    if let Some(token) = lexer.next_on_line() {
+        // What follows the count on its line is the first vertex already, in a free file.
+        if token.text.starts_with('#') {
+            lexer.skip_comment(&token);
+        }
+        return;
     }
     skip_comments(lexer);
     let line = lexer.clone();

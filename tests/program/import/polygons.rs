@@ -187,7 +187,10 @@ fn what_the_outline_goes_round_is_covered() {
                 let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
                 cross(a, b, c)
             };
-            let signs: Vec<f64> = mesh.triangles.iter().map(sign).collect();
+            // Slivers between a crossing and its own edge are thinner than the rounding of their corners: they have no side.
+            let rounding = 8.0 * f64::EPSILON;
+            let signs = mesh.triangles.iter().map(sign);
+            let signs: Vec<f64> = signs.filter(|s| s.abs() > rounding).collect();
             assert!(
                 signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0),
                 "{name}"

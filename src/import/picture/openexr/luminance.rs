@@ -51,7 +51,7 @@ fn double(samples: &[f32], length: usize) -> Vec<f32> {
     let at = |i: i64| samples[i.clamp(0, last) as usize];
     let place = |x: usize| {
         let i = (x / 2) as i64;
-        if x % 2 == 0 {
+        if x.is_multiple_of(2) {
             return at(i);
         }
         let pair = |(k, weight): (usize, &f32)| weight * (at(i - k as i64) + at(i + 1 + k as i64));
