@@ -102,7 +102,9 @@ mod tests {
             (doubled[19] - 19.0).abs() < 1e-3 && doubled[20] == 20.0,
             "{doubled:?}"
         );
+        // OpenEXR's weights, as it prints them, sum to 0.500001: each of two passes adds 2e-6, and f32 rounds.
         let flat = fill_in(&[0.5; 6], 5, 3);
-        assert!(flat.iter().all(|v| (v - 0.5).abs() < 1e-6), "{flat:?}");
+        let most = 0.5 * 4e-6 + 8.0 * f32::EPSILON;
+        assert!(flat.iter().all(|v| (v - 0.5).abs() < most), "{flat:?}");
     }
 }
