@@ -49,8 +49,10 @@ fn winding(points: &[(f64, f64)], place: DVec3) -> i32 {
     (0..n).map(step).sum()
 }
 
-/// Points of a figure, and whether it crosses itself.
-fn figures() -> Vec<(&'static str, Vec<(f64, f64)>, bool)> {
+/// Name, outline, and whether it crosses itself.
+type Figure = (&'static str, Vec<(f64, f64)>, bool);
+
+fn figures() -> Vec<Figure> {
     let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let with = |more: &[(f64, f64)]| [&square[..], more].concat();
     vec![
@@ -250,7 +252,7 @@ fn faces_of_many_corners_end() {
     let star = |n: usize, odd: f64| -> Vec<(f64, f64)> {
         let point = |i: usize| {
             let a = i as f64 / n as f64 * std::f64::consts::TAU;
-            let r = if i % 2 == 0 { 1.0 } else { odd };
+            let r = if i.is_multiple_of(2) { 1.0 } else { odd };
             (r * a.cos(), r * a.sin())
         };
         (0..n).map(point).collect()

@@ -263,8 +263,11 @@ fn exif_orientation_is_noted_and_followed() {
     assert!(file.pixels.data[0][0] < 0.1 && file.pixels.data[127][0] > 0.9);
 }
 
-/// An EXR of parts, each with its name, view, and channels (name, value).
-fn parts(parts: &[(&str, &str, &[(&str, f32)])]) -> Vec<u8> {
+/// Name and view of a part, and its channels, each of one value.
+type Part<'a> = (&'a str, &'a str, &'a [(&'a str, f32)]);
+
+/// An EXR of parts.
+fn parts(parts: &[Part<'_>]) -> Vec<u8> {
     use exr::prelude::*;
     let layers = parts.iter().map(|(name, view, channels)| {
         let channels = channels
