@@ -321,6 +321,7 @@ impl Context {
             materials,
             world_from_object,
             tessellation: None,
+            priority: 0,
         });
         Ok(())
     }

@@ -21,6 +21,8 @@ pub const MAX_TILES: u32 = 4096;
 pub const MAX_PATCHES: u32 = 1 << 16;
 /// Largest number of their control points.
 pub const MAX_PATCH_POINTS: u32 = 1 << 20;
+/// Largest priority of a solid, and smallest with a minus sign.
+pub const MAX_PRIORITY: i32 = 1_000_000;
 /// Deepest recursion that a file may ask for.
 pub const MAX_DEPTH: u32 = 1 << 20;
 
@@ -69,6 +71,8 @@ impl Range {
 pub(crate) enum Kind {
     Number(Range),
     Integer(u32, u32),
+    /// A whole number that may be negative.
+    Signed(i32, i32),
     Bool,
     Text,
     /// One of some names.
@@ -107,6 +111,8 @@ pub(crate) enum Kind {
     Patches,
     /// A list of names.
     Names,
+    /// Sixteen numbers, or four rows of four.
+    Matrix,
     /// A list of steps.
     Transform,
     /// The back face's material.
@@ -303,6 +309,7 @@ pub(crate) const OBJECT: &[KeyInfo] = &[
     key("material", Kind::Text, "", "Name of its material; OpenGL's default material where omitted"),
     key("materials", Kind::Names, "", "Names of its materials, taken in turn by tiles or by the mesh's own materials"),
     key("transform", Kind::Transform, "[]", "Steps from object to world space, applied in the order written"),
+    key("priority", Kind::Signed(-MAX_PRIORITY, MAX_PRIORITY), "0", "Of clear solids that overlap, the one with the higher number is there, and surfaces inside it are not; equal numbers: the one entered last"),
 ];
 
 /// Tessellation, for the shapes that have one.
@@ -458,7 +465,7 @@ pub(crate) const STEPS: &[KeyInfo] = &[
     key("translate", Kind::Vector, "", "Moves by [x, y, z]"),
     key("rotate", Kind::Rotation, "", "{ axis = [x, y, z], degrees = number }, counter-clockwise about the axis"),
     key("scale", Kind::Scale, "", "A number, or [x, y, z]; negative mirrors"),
-    key("matrix", Kind::Numbers, "", "16 numbers, row by row; column vectors, so the translation stands last in each row"),
+    key("matrix", Kind::Matrix, "", "Four rows of four numbers, or 16 numbers row by row; column vectors, so the translation stands last in each row"),
 ];
 
 /// The parts of a rotation.
@@ -478,7 +485,11 @@ pub fn wants_whole(path: &str) -> bool {
     let mut parts = path.split('.').map(str::trim);
     let (section, key) = (parts.next().unwrap_or(""), parts.next_back().unwrap_or(""));
     let whole = |k: &KeyInfo| {
-        k.name == key && matches!(k.kind, Kind::Integer(..) | Kind::Tiles | Kind::Snap)
+        k.name == key
+            && matches!(
+                k.kind,
+                Kind::Integer(..) | Kind::Signed(..) | Kind::Tiles | Kind::Snap
+            )
     };
     let sections = SECTIONS
         .iter()

@@ -114,6 +114,25 @@ impl<'a> Section<'a> {
         number(self.document, name, node, range)
     }
 
+    /// A whole number, which may be negative, in the key's range.
+    pub(crate) fn signed(&self, name: &str) -> Result<Option<i32>, Error> {
+        let Some(node) = self.get(name) else {
+            return Ok(None);
+        };
+        let Kind::Signed(low, high) = self.kind(name) else {
+            return Err(self.error(format!("{name} is no whole number")));
+        };
+        match &node.value {
+            Value::Integer(x) if (i128::from(low)..=i128::from(high)).contains(x) => {
+                Ok(Some(*x as i32))
+            }
+            _ => {
+                let expected = format!("a whole number from {low} to {high}");
+                Err(self.mismatch(name, node, &expected))
+            }
+        }
+    }
+
     /// A whole number in the key's range.
     pub(crate) fn integer(&self, name: &str) -> Result<Option<u32>, Error> {
         let Some(node) = self.get(name) else {
@@ -249,6 +268,23 @@ impl<'a> Section<'a> {
             *x = self.number_of(name, item, Range::Any)?;
         }
         Ok(numbers)
+    }
+
+    /// Sixteen finite numbers, in a row or as four rows of four.
+    pub(crate) fn rows(&self, name: &str, node: &Node, expected: &str) -> Result<[f64; 16], Error> {
+        match &node.value {
+            Value::List(rows) if rows.iter().any(|row| matches!(row.value, Value::List(_))) => {
+                if rows.len() != 4 {
+                    return Err(self.mismatch(name, node, expected));
+                }
+                let mut numbers = [0.0; 16];
+                for (four, row) in numbers.chunks_exact_mut(4).zip(rows) {
+                    four.copy_from_slice(&self.array::<4>(name, row, "a row of four numbers")?);
+                }
+                Ok(numbers)
+            }
+            _ => self.array(name, node, expected),
+        }
     }
 
     /// The items of a list.

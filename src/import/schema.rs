@@ -144,6 +144,9 @@ fn kind(kind: Kind) -> Value {
     match kind {
         Kind::Number(range) => number(range),
         Kind::Integer(low, high) => whole(low, high),
+        Kind::Signed(low, high) => {
+            json!({ "type": "integer", "minimum": low, "maximum": high })
+        }
         Kind::Bool => json!({ "type": "boolean" }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Choice(names) => json!({ "enum": names() }),
@@ -174,6 +177,7 @@ fn structure(kind: Kind) -> Value {
             any_of(&[json!({ "type": "array", "items": any }), nested])
         }
         Kind::Profile => list(&numbers(2, 2), 2, MAX_POINTS),
+        Kind::Matrix => any_of(&[numbers(16, 16), list(&numbers(4, 4), 4, 4)]),
         Kind::Corners => any_of(&[numbers(12, 12), list(&numbers(3, 3), 4, 4)]),
         Kind::Indices => {
             let index = json!({ "type": "integer", "minimum": 0 });

@@ -18,7 +18,7 @@ use super::Counters;
 use super::Plan;
 use super::bin::{Binned, TILE};
 use super::shade::{Pass, Workspace};
-use super::tile::Visibility;
+use super::tile::{Planes, Visibility};
 use crate::lanes::Real;
 use crate::math::Each;
 use crate::scene::Scene;
@@ -46,9 +46,9 @@ pub(super) struct Front {
 
 impl Front {
     /// Nothing in front.
-    pub(super) fn new() -> Self {
+    pub(super) fn new(planes: Planes) -> Self {
         Self {
-            visibility: Visibility::new(),
+            visibility: Visibility::new(planes),
             passed: Vec::new(),
             alpha: Vec::new(),
         }

@@ -4,7 +4,7 @@
 use super::attribute::Weights;
 use super::bin::{SampleBox, TILE, TileGrid};
 use super::setup::{Builder, DepthOrder};
-use super::tile::{Samples, Visibility};
+use super::tile::{Planes, Samples, Visibility};
 use super::view::{Vertex, View};
 use super::{Counters, edges};
 use crate::frame::NONE;
@@ -93,7 +93,7 @@ fn covered(view: &View, corners: [Vertex; 3], origin: [i64; 2], size: [u32; 2]) 
     }
     let chunk = builder.finish();
     let mut runs = Vec::new();
-    let mut visibility = Visibility::new();
+    let mut visibility = Visibility::new(Planes::default());
     for index in 0..grid.count() {
         let area = grid.tile(index);
         let ray = |x: usize, y: usize| {

@@ -54,7 +54,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::frame::{Frame, LayerIndex, Layers};
+use crate::frame::{Frame, LayerIndex, Layers, NONE};
 use crate::gl;
 use crate::lanes::{Isa, Real};
 use crate::lighting::{self, Rig, Rounded};
@@ -67,6 +67,7 @@ use draw::Drawer;
 use lit::Mode;
 use record::Record;
 use setup::{Builder, DepthOrder};
+use tile::Planes;
 use view::{Vertex, View};
 
 /// The most pixels a picture may have.
@@ -155,6 +156,8 @@ pub struct Plan<'a, R> {
     view: View,
     grid: TileGrid,
     chunks: Arc<Vec<Chunk>>,
+    /// Which triangles lie in one plane.
+    planes: Planes,
     /// For each material the alpha that it is blended with, `None` where it is opaque; empty where nothing is blended.
     alphas: Vec<Option<f64>>,
     model: Model,
@@ -214,6 +217,7 @@ impl<'a, R: Real> Plan<'a, R> {
             view,
             grid,
             chunks,
+            planes: planes(scene, assembly),
             alphas: blend::alphas(scene),
             model: needs.model(),
             faults: Faults::default(),
@@ -447,6 +451,26 @@ type Pixel<R> = (Frame<R>, Option<Box<Record<R>>>);
 
 /// A vertex beyond near, far or 2^29 units, or without a snap grid: its triangles take the long way.
 const BY_SIDES: [i32; 2] = [i32::MIN; 2];
+
+/// Which triangles lie in one plane: only where depth decides what is seen.
+fn planes<R>(scene: &Scene, assembly: &Assembly<R>) -> Planes {
+    let order = DepthOrder::of(&scene.raster);
+    if !matches!(order, DepthOrder::Nearest | DepthOrder::Farthest) {
+        return Planes::default();
+    }
+    let mut planes = Vec::new();
+    for (key, set) in &assembly.contacts.faces {
+        let Some(range) = assembly.triangle_range.get(key.object as usize) else {
+            continue;
+        };
+        let primitive = (range.start + key.part) as usize;
+        if planes.len() <= primitive {
+            planes.resize(primitive + 1, NONE);
+        }
+        planes[primitive] = *set;
+    }
+    planes.into()
+}
 
 fn check_image(scene: &Scene) -> Result<(), Error> {
     let image = &scene.image;

@@ -119,11 +119,11 @@ impl<R: Real> Workspace<R> {
     /// Empty, for a plan.
     pub(super) fn new(mode: &Mode, plan: &Plan<'_, R>) -> Self {
         Self {
-            visibility: Visibility::new(),
+            visibility: Visibility::new(plan.planes.clone()),
             shown: Shown::new(mode),
             fragments: Vec::new(),
             lit: Lit::default(),
-            front: Front::new(),
+            front: Front::new(plan.planes.clone()),
             record: None,
             slots: SlotMap::new(),
             output: Output::default(),

@@ -5,6 +5,9 @@
 //! primitive number. Edge functions run in 32 bits where the triangle is small enough (divided by 256, rounded
 //! down: exact, since samples are whole pixels apart), else in 64. Jittered samples always take 64 bits.
 //! [`Visibility::probe`] asks the same of one triangle against depths that stay, for blending.
+//!
+//! Triangles that lie in one plane and overlap ([`crate::scene::contact`]) do not ask for depth, which rounding would decide:
+//! of two the lower primitive number is seen ([`Planes`]). Only triangles of such a set pay for the question.
 
 use super::Counters;
 use super::bin::{Binned, Form, TILE, TileArea};
@@ -60,8 +63,14 @@ impl Samples<'_> {
     }
 }
 
+/// Which triangles lie in one plane: the number of its set for each primitive, [`NONE`] or missing for most.
+pub(super) type Planes = std::sync::Arc<[u32]>;
+
 /// The visibility buffer of a tile, row-major with stride [`TILE`].
 pub(super) struct Visibility {
+    planes: Planes,
+    /// What another tile shows, where this one started from it and triangles lie in one plane; else empty.
+    behind: Vec<u32>,
     /// Depth key; -infinity where nothing is.
     key: Vec<f64>,
     /// Primitive number, or [`NONE`].
@@ -70,8 +79,10 @@ pub(super) struct Visibility {
 
 impl Visibility {
     /// Sees nothing.
-    pub(super) fn new() -> Self {
+    pub(super) fn new(planes: Planes) -> Self {
         Self {
+            planes,
+            behind: Vec::new(),
             key: vec![f64::NEG_INFINITY; TILE * TILE],
             primitive: vec![NONE; TILE * TILE],
         }
@@ -87,6 +98,28 @@ impl Visibility {
     pub(super) fn start_from(&mut self, other: &Self) {
         self.key.copy_from_slice(&other.key);
         self.primitive.fill(NONE);
+        if !self.planes.is_empty() {
+            self.behind.clone_from(&other.primitive);
+        }
+    }
+
+    /// The set of a triangle, if it is in one.
+    fn set_of(&self, primitive: u32) -> Option<u32> {
+        let set = self.planes.get(primitive as usize)?;
+        (*set != NONE).then_some(*set)
+    }
+
+    /// Whether a triangle of a set is seen at a place where it has this key.
+    fn shows(&self, at: usize, key: f64, primitive: u32, set: u32) -> bool {
+        let seen = match self.primitive[at] {
+            NONE => self.behind.get(at).copied().unwrap_or(NONE),
+            seen => seen,
+        };
+        if seen != NONE && self.set_of(seen) == Some(set) {
+            primitive < seen
+        } else {
+            key > self.key[at]
+        }
     }
 
     /// The samples of one triangle that are nearer than `other` shows, in rows from the top; their depths are not kept.
@@ -227,6 +260,7 @@ impl Visibility {
         let ([left, top], [width, height]) = (window.first, window.count);
         let [k0, kx, ky] = triangle.key;
         let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
+        let set = self.set_of(triangle.primitive);
         counters.fragments_tested += (width * height) as u64;
         for y in top..top + height {
             // Samples at one place in every pixel lie on a line: what both ends say holds between them.
@@ -248,7 +282,11 @@ impl Visibility {
                 counters.fragments_covered += 1;
                 let at = y * TILE + x;
                 let key = limit(k0 + ky * sample.ray[1] + kx * sample.ray[0], range);
-                if key > self.key[at] {
+                let passes = match set {
+                    None => key > self.key[at],
+                    Some(set) => self.shows(at, key, triangle.primitive, set),
+                };
+                if passes {
                     self.key[at] = key;
                     self.primitive[at] = triangle.primitive;
                     counters.fragments_passed += 1;
@@ -271,6 +309,7 @@ impl Visibility {
         let [k0, kx, ky] = triangle.key;
         let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
         let xs = &x[left..left + width];
+        let set = self.set_of(triangle.primitive);
         // What each edge gains at most on the way to the end of a row.
         let steps = width - 1;
         let gain = [
@@ -288,6 +327,23 @@ impl Visibility {
                 continue;
             }
             let place = row * TILE + left;
+            if let Some(set) = set {
+                let row_key = k0 + ky * y;
+                let [mut e0, mut e1, mut e2] = start;
+                for (i, x) in xs.iter().enumerate() {
+                    let (at, key) = (place + i, limit(row_key + kx * x, range));
+                    if !e0.or(e1).or(e2).is_negative() {
+                        counters.fragments_covered += 1;
+                        if self.shows(at, key, triangle.primitive, set) {
+                            self.key[at] = key;
+                            self.primitive[at] = triangle.primitive;
+                            counters.fragments_passed += 1;
+                        }
+                    }
+                    (e0, e1, e2) = (e0.plus(a[0]), e1.plus(a[1]), e2.plus(a[2]));
+                }
+                continue;
+            }
             let keys = &mut self.key[place..place + width];
             let primitives = &mut self.primitive[place..place + width];
             let row_key = k0 + ky * y;
@@ -327,6 +383,7 @@ impl Visibility {
         let ([left, top], [width, height]) = (window.first, window.count);
         let [k0, kx, ky] = triangle.key;
         let range = [f64::from(triangle.range[0]), f64::from(triangle.range[1])];
+        let set = self.set_of(triangle.primitive);
         for row in 0..height {
             for column in 0..width {
                 let at = (top + row) * TILE + left + column;
@@ -338,7 +395,11 @@ impl Visibility {
                 }
                 counters.fragments_covered += 1;
                 let key = limit(k0 + ky * ray[at][1] + kx * ray[at][0], range);
-                if key > self.key[at] {
+                let passes = match set {
+                    None => key > self.key[at],
+                    Some(set) => self.shows(at, key, triangle.primitive, set),
+                };
+                if passes {
                     self.key[at] = key;
                     self.primitive[at] = triangle.primitive;
                     counters.fragments_passed += 1;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::attribute::Weights;
 use super::bin::TILE;
-use super::tile::{Samples, Visibility};
+use super::tile::{Planes, Samples, Visibility};
 use super::{Counters, Plan};
 use crate::frame::{NONE, Plane};
 use crate::lanes::Real;
@@ -81,7 +81,7 @@ impl<R: Real> Plan<'_, R> {
     fn count_tile(&self, index: usize) -> Vec<u32> {
         let area = self.grid.tile(index);
         let mut counts = vec![0u32; TILE * TILE];
-        let mut visibility = Visibility::new();
+        let mut visibility = Visibility::new(Planes::default());
         let (mut offset, mut ray) = (vec![[0; 2]; TILE * TILE], vec![[0.0; 2]; TILE * TILE]);
         for y in 0..area.size[1] {
             for x in 0..area.size[0] {

@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 
+use super::contact::{Contacts, Detail};
 use super::shape::Mesh;
 use super::tessellate::{DEFAULT_LEVEL, tessellate};
 use super::{Geometry, Object, Scene};
@@ -41,6 +42,10 @@ pub struct Assembly<R> {
     pub object: Vec<u32>,
     /// Per object: its triangles.
     pub triangle_range: Vec<std::ops::Range<u32>>,
+    /// The tessellation level that was asked for.
+    pub level: Option<u32>,
+    /// Which triangles lie on each other, decided on the scene's own numbers; a face's part is its number in the object.
+    pub contacts: Contacts,
 }
 
 impl<R: Real> Assembly<R> {
@@ -49,7 +54,11 @@ impl<R: Real> Assembly<R> {
     /// # Errors
     /// [`Error::Limit`] where the scene would exceed [`MAX_TRIANGLES`].
     pub fn new(scene: &Scene, level: Option<u32>) -> Result<Self, Error> {
-        let mut assembly = Self::default();
+        let mut assembly = Self {
+            level,
+            contacts: Contacts::of(scene, Detail::Triangles(level)),
+            ..Self::default()
+        };
         let colored = scene.has_vertex_colors();
         for (index, object) in scene.objects.iter().enumerate() {
             let first = assembly.triangles.len() as u32;

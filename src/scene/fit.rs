@@ -273,6 +273,7 @@ mod tests {
             materials: vec![0],
             world_from_object: m,
             tessellation: None,
+            priority: 0,
         }
     }
 

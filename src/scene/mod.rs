@@ -6,6 +6,7 @@
 pub mod assembly;
 pub mod bezier;
 pub mod camera;
+pub mod contact;
 pub mod fit;
 pub mod optics;
 pub mod piece;
@@ -17,6 +18,7 @@ pub mod round;
 pub mod shape;
 pub mod teapot;
 pub mod tessellate;
+pub mod volume;
 
 use std::sync::Arc;
 
@@ -322,6 +324,8 @@ pub struct Object {
     pub world_from_object: DAffine3,
     /// Slices of a full turn (N/2 stacks), or cells a side of a patch; `None` = the render's level.
     pub tessellation: Option<u32>,
+    /// Of solids that overlap, the one with the higher number is there, and surfaces inside it are not; default 0.
+    pub priority: i32,
 }
 
 /// A complete scene.

@@ -83,6 +83,14 @@ impl Body {
         }
     }
 
+    /// The face of a hit's feature: 0 but for the ends of cylinders and cones.
+    pub(super) fn face(&self, feature: u32) -> u32 {
+        match self {
+            Self::Cylinder(..) | Self::Cone(..) => feature % EXIT,
+            Self::Disk(_) | Self::Torus(_) => 0,
+        }
+    }
+
     /// A ray that leaves it never meets it again, on either side.
     pub(super) fn is_planar(&self) -> bool {
         matches!(self, Self::Disk(_))

@@ -10,7 +10,7 @@
 
 use super::exact::unit;
 use super::faults::Faults;
-use super::media::{Media, MediaId};
+use super::media::{Media, MediaId, Order};
 use super::optics::{Transmission, fresnel, reflect, refract};
 use super::ray::{Foot, Ray};
 use super::touch::Touching;
@@ -42,18 +42,29 @@ pub(super) struct Path {
     pub(super) branch: Branch,
     /// What it is inside of.
     pub(super) media: MediaId,
+    /// Number of the hit that ends it, where it passed surfaces that touch an opaque one; [`NO_END`] = what it meets.
+    pub(super) end: u32,
 }
+
+/// No hit is set.
+pub(super) const NO_END: u32 = u32::MAX;
 
 /// A hit that secondary rays start from.
 pub(super) struct Fork<'s> {
     /// The ray that arrived.
     pub(super) path: &'s Path,
-    /// Transmissive surfaces that touch the one hit, in the order in which the ray passes them.
+    /// Transmissive surfaces that touch the one hit, and that the ray passes with it.
     pub(super) touching: &'s [Touching<'s>],
+    /// Number of the opaque hit that ends the ray behind them; [`NO_END`] = none.
+    pub(super) end: u32,
+    /// What orders solids that touch.
+    pub(super) order: &'s Order,
     /// Where.
     pub(super) foot: &'s Foot,
     /// Items that rays leaving outwards, and inwards, cannot meet.
     pub(super) skip: [u32; 2],
+    /// Sets of faces that such rays cannot meet.
+    pub(super) set: [u32; 2],
     /// Shading normal, world space, on either side; zero = use the geometric one.
     pub(super) normal_world: DVec3,
     /// The object hit: a medium of its own.
@@ -132,11 +143,20 @@ impl Fork<'_> {
         if weight.iter().all(|w| *w == 0.0 || w.abs() < cutoff) {
             return None;
         }
-        let (foot, skip) = self.start(branch);
-        let inwards = usize::from(foot.normal.dot(direction) < 0.0);
-        let ray = Ray {
-            skip: skip[inwards],
-            ..Ray::new(self.faults.spawn(&foot, direction), direction)
+        let end = match branch {
+            Branch::Refraction => self.end,
+            Branch::Primary | Branch::Reflection => NO_END,
+        };
+        let ray = if end == NO_END {
+            let inwards = usize::from(self.foot.normal.dot(direction) < 0.0);
+            Ray {
+                skip: self.skip[inwards],
+                set: self.set[inwards],
+                ..Ray::new(self.faults.spawn(self.foot, direction), direction)
+            }
+        } else {
+            // The hit that ends it is one of the ray that arrived.
+            self.path.ray
         };
         let first = self.path.branch == Branch::Primary;
         Some(Path {
@@ -145,6 +165,7 @@ impl Fork<'_> {
             pixel: self.path.pixel,
             branch: if first { branch } else { self.path.branch },
             media,
+            end,
         })
     }
 
@@ -180,7 +201,8 @@ impl Fork<'_> {
             reflected: 0.0,
             beyond: Some((unit(d), 1.0, media)),
         };
-        if self.optics.thin && self.touching.is_empty() {
+        let nothing_between = self.end != NO_END;
+        if nothing_between || (self.optics.thin && self.touching.is_empty()) {
             return straight(self.path.media, media.ior(self.path.media));
         }
         let crossing = self.cross(media);

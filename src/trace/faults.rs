@@ -10,7 +10,7 @@
 
 use super::bvh::Walker;
 use super::optics::reflect;
-use super::ray::{Foot, Hit, NO_ITEM, Ray};
+use super::ray::{Foot, Hit, NO_ITEM, NO_SET, Ray};
 use super::shadow::Lamp;
 use super::surface::{Site, Surfaces};
 use crate::lanes::Real;
@@ -73,7 +73,7 @@ impl Faults {
             ray.origin = pushed(foot, d, length);
         }
         if self.offset.is_some() {
-            ray.skip = NO_ITEM;
+            (ray.skip, ray.set) = (NO_ITEM, NO_SET);
         }
         if self.endless_shadow_rays {
             ray.t_max = f64::INFINITY;
@@ -121,7 +121,7 @@ impl Faults {
         ray: &Ray,
         walker: &mut Walker,
     ) -> Option<Hit> {
-        if self.farther_root || self.first_hit {
+        if self.misses_the_nearest() {
             self.wrong_hit(surfaces, ray, walker)
         } else {
             surfaces.closest_hit(ray, walker)
@@ -160,23 +160,16 @@ impl Faults {
         surfaces: &Surfaces<'_, R>,
         ray: &Ray,
         walker: &mut Walker,
+        blocks: impl Fn(&Hit) -> bool,
     ) -> bool {
-        if self.farther_root {
-            self.wrongly_blocked(surfaces, ray, walker)
-        } else {
-            surfaces.any_hit(ray, walker)
-        }
+        surfaces.walk(ray, walker, |hit, _| {
+            self.counts(surfaces, ray, &hit) && blocks(&hit)
+        })
     }
 
-    #[cold]
-    #[inline(never)]
-    fn wrongly_blocked<R: Real>(
-        &self,
-        surfaces: &Surfaces<'_, R>,
-        ray: &Ray,
-        walker: &mut Walker,
-    ) -> bool {
-        surfaces.walk(ray, walker, |hit, _| self.counts(surfaces, ray, &hit))
+    /// The hit that a ray is said to have may be another than the nearest.
+    pub(super) fn misses_the_nearest(&self) -> bool {
+        self.farther_root || self.first_hit
     }
 
     fn counts<R: Real>(&self, surfaces: &Surfaces<'_, R>, ray: &Ray, hit: &Hit) -> bool {

@@ -19,8 +19,8 @@
 //! Left out: a closed mesh of which only some faces are thin or opaque counts every face.
 
 use super::bvh::Walker;
-use super::media::{AIR, Media, MediaId};
-use super::ray::Ray;
+use super::media::{AIR, Media, MediaId, Medium, Order};
+use super::ray::{Hit, Ray};
 use super::surface::Surfaces;
 use crate::lanes::Real;
 use crate::math::Each;
@@ -86,6 +86,7 @@ impl Inside {
         &self,
         ray: &Ray,
         surfaces: &Surfaces<'_, R>,
+        order: &Order,
         walker: &mut Walker,
         media: &mut Media,
     ) -> MediaId {
@@ -97,15 +98,29 @@ impl Inside {
             return AIR;
         }
         let ahead = Ray::new(near, self.forward);
-        let hits = surfaces.crossings(&ahead, walker, |_| true);
-        // From far away back to the near point.
-        let met = hits.iter().flatten().rev().filter_map(|hit| {
-            let object = surfaces.object(hit);
-            self.solids.iter().find(|solid| solid.object == object)
-        });
-        met.fold(AIR, |list, solid| {
-            media.cross(list, solid.object, solid.ior).media
-        })
+        let mut hits = surfaces
+            .crossings(&ahead, walker, |_| true)
+            .unwrap_or_default();
+        // From far away back to the near point, all that touch at one place at once.
+        let mut list = AIR;
+        while let Some(last) = hits.pop() {
+            let mut together = vec![last];
+            hits.retain(|hit| {
+                let touches = surfaces.same_place(&ahead, &last, hit);
+                if touches {
+                    together.push(*hit);
+                }
+                !touches
+            });
+            let solid = |hit: &Hit| {
+                let object = surfaces.object(hit);
+                let solid = self.solids.iter().find(|solid| solid.object == object)?;
+                Some(order.medium(object, solid.ior))
+            };
+            let solids: Vec<Medium> = together.iter().filter_map(solid).collect();
+            list = media.pass(list, &solids).media;
+        }
+        list
     }
 }
 

@@ -2,16 +2,59 @@
 //!
 //! Crossing the surface of object A removes A from the list if it is there, else appends it. The index before is that of the
 //! last entry before, the index after that of the last entry after; an empty list is air (1). So a hollow ball is one
-//! ball inside another, and touching or overlapping solids need no care. Lists are kept once and named by number, so that
+//! ball inside another, and overlapping solids need no care. Lists are kept once and named by number, so that
 //! rays stay small. Where primary rays start: [`super::inside`].
+//!
+//! *Contacts.* Solids that a ray crosses at one place are left first, the smallest first, then entered, the largest first, so
+//! that what lies in a cavity is inside it (equal volumes: object number), whatever the order of the file.
+//!
+//! *Priority* (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"): of the list the highest priority
+//! counts, of equal ones the last. A surface of a solid inside one of a higher priority is not there ([`Media::hides`]).
 
 use std::collections::HashMap;
 
+use crate::scene::{Scene, volume};
+
 /// One object that the ray is inside of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Medium {
-    object: u32,
-    ior: f64,
+pub(super) struct Medium {
+    pub(super) object: u32,
+    pub(super) ior: f64,
+    pub(super) priority: i32,
+    /// Its place in the order of volumes.
+    pub(super) rank: u32,
+}
+
+/// What orders the solids of a scene.
+#[derive(Clone, Debug)]
+pub(super) struct Order {
+    /// Priority and rank by volume of each object.
+    objects: Vec<(i32, u32)>,
+    /// Some priority is not 0.
+    pub(super) prioritized: bool,
+}
+
+impl Order {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let priorities = scene.objects.iter().map(|object| object.priority);
+        let prioritized = priorities.clone().any(|priority| priority != 0);
+        let objects = priorities.zip(volume::ranks(scene)).collect();
+        Self {
+            objects,
+            prioritized,
+        }
+    }
+
+    /// An object as a medium of an index.
+    pub(super) fn medium(&self, object: u32, ior: f64) -> Medium {
+        let (priority, rank) = self.objects[object as usize];
+        Medium {
+            object,
+            ior,
+            priority,
+            rank,
+        }
+    }
 }
 
 /// Number of a list of media.
@@ -52,16 +95,35 @@ impl Media {
         index(&self.lists[media as usize])
     }
 
-    /// Crosses the surface of an object whose inside has the index `ior`.
-    pub(super) fn cross(&mut self, from: MediaId, object: u32, ior: f64) -> Crossing {
+    /// Crosses the surface of one solid.
+    #[cfg(test)]
+    fn cross(&mut self, from: MediaId, solid: Medium) -> Crossing {
+        self.pass(from, &[solid])
+    }
+
+    /// Crosses the surfaces of solids that touch at one place, in whatever order they come.
+    pub(super) fn pass(&mut self, from: MediaId, solids: &[Medium]) -> Crossing {
         let before = &self.lists[from as usize];
         let eta_i = index(before);
         let mut after = before.clone();
-        match after.iter().rposition(|m| m.object == object) {
-            Some(at) => {
-                after.remove(at);
+        // Leaving changes no order, so that which one is left first does not matter to the list behind.
+        let mut entered = Vec::new();
+        for solid in solids {
+            match after.iter().rposition(|m| m.object == solid.object) {
+                Some(at) => {
+                    after.remove(at);
+                }
+                None => entered.push(*solid),
             }
-            None => after.push(Medium { object, ior }),
+        }
+        entered.sort_by_key(|m| (std::cmp::Reverse(m.rank), m.object));
+        for solid in entered {
+            match after.iter().rposition(|m| m.object == solid.object) {
+                Some(at) => {
+                    after.remove(at);
+                }
+                None => after.push(solid),
+            }
         }
         let eta_t = index(&after);
         let key = after.iter().map(|m| (m.object, m.ior.to_bits())).collect();
@@ -77,43 +139,93 @@ impl Media {
         }
     }
 
-    /// Whether a list holds an object.
-    pub(super) fn hold(&self, media: MediaId, object: u32) -> bool {
-        let list = &self.lists[media as usize];
-        list.iter().any(|m| m.object == object)
+    /// Whether the surface of a solid is not there, since it lies inside one of a higher priority: one that is in the list
+    /// before the place, and behind it.
+    pub(super) fn hides(&self, [before, behind]: [MediaId; 2], solid: &Medium) -> bool {
+        let behind = &self.lists[behind as usize];
+        let stays = |m: &Medium| behind.iter().any(|b| b.object == m.object);
+        let before = &self.lists[before as usize];
+        before
+            .iter()
+            .any(|m| m.object != solid.object && m.priority > solid.priority && stays(m))
     }
 }
 
+/// The index of the highest priority, of equal ones the last.
 fn index(list: &[Medium]) -> f64 {
-    list.last().map_or(1.0, |m| m.ior)
+    list.iter()
+        .max_by_key(|m| m.priority)
+        .map_or(1.0, |m| m.ior)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn solid(object: u32, ior: f64) -> Medium {
+        Medium {
+            object,
+            ior,
+            priority: 0,
+            rank: 0,
+        }
+    }
+
     #[test]
     fn a_hollow_ball_is_air_in_its_middle() {
         // Glass ball 0 holds an air bubble, object 1 with index 1.
         let mut media = Media::new();
-        let a = media.cross(AIR, 0, 1.5);
+        let a = media.cross(AIR, solid(0, 1.5));
         assert_eq!((a.eta_i, a.eta_t), (1.0, 1.5));
-        let b = media.cross(a.media, 1, 1.0);
+        let b = media.cross(a.media, solid(1, 1.0));
         assert_eq!((b.eta_i, b.eta_t), (1.5, 1.0));
-        let c = media.cross(b.media, 1, 1.0);
+        let c = media.cross(b.media, solid(1, 1.0));
         assert_eq!((c.eta_i, c.eta_t), (1.0, 1.5));
-        let d = media.cross(c.media, 0, 1.5);
+        let d = media.cross(c.media, solid(0, 1.5));
         assert_eq!((d.eta_i, d.eta_t, d.media), (1.5, 1.0, AIR));
     }
 
     #[test]
     fn leaving_the_outer_of_two_overlapping_objects_first() {
         let mut media = Media::new();
-        let a = media.cross(AIR, 7, 1.5);
-        let b = media.cross(a.media, 8, 1.3);
-        let c = media.cross(b.media, 7, 1.5);
+        let a = media.cross(AIR, solid(7, 1.5));
+        let b = media.cross(a.media, solid(8, 1.3));
+        let c = media.cross(b.media, solid(7, 1.5));
         assert_eq!((c.eta_i, c.eta_t), (1.3, 1.3));
-        let d = media.cross(c.media, 8, 1.3);
+        let d = media.cross(c.media, solid(8, 1.3));
         assert_eq!((d.eta_i, d.eta_t, d.media), (1.3, 1.0, AIR));
+    }
+
+    #[test]
+    fn solids_that_touch_are_entered_largest_first_whatever_the_order() {
+        let (mut cavity, mut water) = (solid(1, 1.0), solid(2, 1.33));
+        (cavity.rank, water.rank) = (2, 1);
+        for order in [[cavity, water], [water, cavity]] {
+            let mut media = Media::new();
+            let glass = media.cross(AIR, solid(0, 1.5)).media;
+            let inside = media.pass(glass, &order);
+            assert_eq!((inside.eta_i, inside.eta_t), (1.5, 1.33));
+            let out = media.pass(inside.media, &order);
+            assert_eq!((out.eta_i, out.eta_t, out.media), (1.33, 1.5, glass));
+        }
+        // Equal volumes: the object number.
+        let mut media = Media::new();
+        let both = [solid(4, 1.4), solid(3, 1.3)];
+        assert_eq!(media.pass(AIR, &both).eta_t, 1.4);
+    }
+
+    #[test]
+    fn the_higher_priority_is_there() {
+        let mut media = Media::new();
+        let (mut water, glass) = (solid(0, 1.33), solid(1, 1.5));
+        water.priority = 1;
+        let a = media.cross(AIR, water);
+        let b = media.cross(a.media, glass);
+        assert_eq!((b.eta_i, b.eta_t), (1.33, 1.33));
+        assert!(media.hides([a.media, b.media], &glass));
+        assert!(!media.hides([AIR, a.media], &water));
+        let c = media.cross(b.media, water);
+        assert_eq!((c.eta_i, c.eta_t), (1.33, 1.5));
+        assert!(!media.hides([b.media, c.media], &water));
     }
 }

@@ -18,7 +18,7 @@
 //! | `shadow` `tile` `sums` | S_L; a tile in waves; its sums |
 //! | `record` | what happened on the way to one pixel, for whoever explains it |
 //! | `faults` | mistakes that people make, for `check` |
-//! | `touch` | surfaces that touch are passed at once |
+//! | `touch` | surfaces that touch are one event |
 //!
 //! Facing of an exact shape: outward = front, under any transform; a triangle's front is the side whose corners run the
 //! front winding in the window. `front_face = "cw"` turns both round. Secondary rays look back along themselves: an infinite
@@ -87,6 +87,7 @@ use crate::scene::assembly::Assembly;
 use crate::scene::requirements::{Mode, Model, Requirements};
 use bvh::Work;
 use inside::Inside;
+use media::Order;
 use ray::Ray;
 use record::Record;
 use shadow::lamps;
@@ -225,6 +226,10 @@ pub struct Plan<'a, R> {
     lamps: Vec<Lamp>,
     sources: Vec<gl::LightSource>,
     needs: Requirements,
+    /// Of each lamp, the faces whose planes it lies in.
+    lamp_planes: Vec<Vec<(u32, u32)>>,
+    /// What orders the solids.
+    order: Order,
     /// Some colour is negative: sums run in f64.
     signed: bool,
     build_seconds: f64,
@@ -275,13 +280,20 @@ impl<'a, R: Real> Plan<'a, R> {
         build_seconds: f64,
     ) -> Self {
         let sources = scene.lights_eye();
+        let lamps = lamps(scene);
+        let planes = |lamp: &Lamp| match lamp {
+            Lamp::Point(place) => surfaces.planes_through(*place),
+            Lamp::Direction(_) => Vec::new(),
+        };
         Self {
+            lamp_planes: lamps.iter().map(planes).collect(),
+            order: Order::of(scene),
             scene,
             surfaces,
             inside: Inside::new(scene),
             rig: Rig::planned(&sources, &scene.light_model, &needs),
             rounded: Rounded::default(),
-            lamps: lamps(scene),
+            lamps,
             sources,
             needs,
             signed: scene.has_negative_colors(),

@@ -9,6 +9,9 @@ use crate::math::DVec3;
 /// Stands for no item: see [`Ray::skip`].
 pub const NO_ITEM: u32 = u32::MAX;
 
+/// Stands for no set of faces: see [`Ray::set`].
+pub const NO_SET: u32 = u32::MAX;
+
 /// The smallest positive number: the lower end of "t > 0".
 pub const AFTER_ZERO: f64 = f64::from_bits(1);
 
@@ -25,6 +28,8 @@ pub struct Ray {
     pub t_max: f64,
     /// The item that the ray leaves and cannot meet again (planar, or convex and left outwards); [`NO_ITEM`] = none.
     pub skip: u32,
+    /// The set of faces (`touch`) that the ray leaves and cannot meet again; [`NO_SET`] = none.
+    pub set: u32,
 }
 
 impl Ray {
@@ -36,6 +41,7 @@ impl Ray {
             t_min: AFTER_ZERO,
             t_max: f64::INFINITY,
             skip: NO_ITEM,
+            set: NO_SET,
         }
     }
 

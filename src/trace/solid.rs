@@ -69,6 +69,8 @@ enum Form {
         band: Box<Band>,
         /// Number of the piece.
         number: u32,
+        /// It lies in a plane.
+        level: bool,
         size_world: f64,
         bounds: Bounds,
     },
@@ -161,6 +163,25 @@ impl Solid {
             Form::Round { body, .. } => body.is_convex(),
             Form::Turned { .. } | Form::Piece { .. } => false,
             _ => true,
+        }
+    }
+
+    /// Which face of the solid a hit's feature is on, as [`crate::scene::contact::Key`] numbers them.
+    pub(super) fn part(&self, feature: u32) -> usize {
+        match &self.form {
+            Form::Cuboid { .. } => feature as usize,
+            Form::Round { body, .. } => body.face(feature) as usize,
+            _ => 0,
+        }
+    }
+
+    /// Whether that face lies in a plane.
+    pub(super) fn is_flat(&self, feature: u32) -> bool {
+        match &self.form {
+            Form::Patch { .. } | Form::Cuboid { .. } => true,
+            Form::Round { body, .. } => body.is_planar() || body.face(feature) != 0,
+            Form::Turned { level, .. } => *level,
+            Form::Sphere { .. } | Form::Piece { .. } => false,
         }
     }
 
@@ -424,6 +445,7 @@ fn turned(base: DVec3, axis: DVec3, profile: &Profile, place: &DAffine3) -> Vec<
             anchor_world: place.transform_point3(base),
             band: Box::new(band),
             number: number as u32,
+            level: piece.z[..=piece.degree].iter().all(|z| *z == piece.z[0]),
             size_world,
             bounds: Bounds::of([bounds.min, bounds.max]),
         }

@@ -10,12 +10,14 @@ use super::bvh::{Bvh, Walker};
 use super::exact::unit;
 use super::instance::{self, Instance, Shared};
 use super::planar::{Shear, normal, precise_weights};
-use super::ray::{Foot, Hit, Ray};
+use super::ray::{Foot, Hit, NO_SET, Ray};
 use super::solid::Solid;
+use super::touch::{FaceItem, Touch};
 use crate::lanes::Real;
 use crate::math::Each;
 use crate::math::{DMat3, DVec3};
 use crate::scene::assembly::Assembly;
+use crate::scene::contact::{self, Contacts, Detail};
 use crate::scene::{self, Scene};
 
 /// Marks the item number of an exact shape.
@@ -40,6 +42,12 @@ pub struct Surfaces<'a, R> {
     rotation: DMat3,
     eye: DVec3,
     mirrors: bool,
+    /// What faces are: those of the true shapes, or triangles.
+    detail: Detail,
+    /// Which of them lie on each other.
+    touch: Touch,
+    /// Where the solids of each object begin, if it has any.
+    first_solid: Vec<Option<u32>>,
 }
 
 /// What the tracer knows of a hit.
@@ -63,6 +71,8 @@ pub struct Site<R> {
     pub back: bool,
     /// What a ray that leaves the surface on the outside, and on the inside, need not be tested against.
     pub skip: [u32; 2],
+    /// Which set of faces such rays cannot meet again.
+    pub set: [u32; 2],
 }
 
 impl<'a, R: Real> Surfaces<'a, R> {
@@ -82,7 +92,15 @@ impl<'a, R: Real> Surfaces<'a, R> {
             rotation: scene.camera.eye_from_world_rotation(),
             eye: scene.camera.eye,
             mirrors: scene.camera.lens().is_some_and(|lens| lens.mirrors),
+            detail: if exact {
+                Detail::Exact
+            } else {
+                Detail::Triangles(assembly.level)
+            },
+            touch: Touch::default(),
+            first_solid: Vec::new(),
         };
+        surfaces.find_contacts();
         let bounds: Vec<Bounds> = surfaces
             .items
             .iter()
@@ -156,40 +174,89 @@ impl<'a, R: Real> Surfaces<'a, R> {
         (!stopped).then_some(found)
     }
 
-    /// The other surfaces that touch the one of a hit there, in the order in which the ray crosses them: those that a ray
-    /// leaving the hit would otherwise start beyond, and miss.
-    pub(super) fn touching(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        foot: &Foot,
-        walker: &mut Walker,
-    ) -> Vec<Site<R>> {
-        let per_t = foot.normal.dot(ray.direction).abs();
-        let near = Ray {
-            t_min: hit.t,
-            t_max: hit.t + 4.0 * foot.bound() / per_t,
-            ..*ray
+    /// Finds the faces that lie on each other. Where objects are triangles alone, the assembly knows.
+    fn find_contacts(&mut self) {
+        let (scene, assembly) = (self.scene, self.assembly);
+        self.first_solid = vec![None; scene.objects.len()];
+        for (i, solid) in self.solids.iter().enumerate().rev() {
+            self.first_solid[solid.object as usize] = Some(i as u32);
+        }
+        let own = (!self.solids.is_empty()).then(|| Contacts::of(scene, self.detail));
+        let contacts = own.as_ref().unwrap_or(&assembly.contacts);
+        // A corner is stored to half a unit in the last place of each coordinate.
+        let stored = |triangle: u32| {
+            let corners = assembly.triangles[triangle as usize];
+            let from_eye = corners.map(|v| assembly.position_from_eye[v as usize]);
+            let largest = from_eye.iter().flatten().map(|x| x.to_f64().abs());
+            4.0 * R::ROUNDOFF.to_f64() * largest.fold(0.0, f64::max)
         };
-        // Almost always there is nothing but the hit itself, and nothing is allocated.
-        let mut found: Vec<Hit> = Vec::new();
-        self.walk(&near, walker, |other, _| {
-            if in_range(&near, &other) && (other.item, other.feature) != (hit.item, hit.feature) {
-                found.push(other);
+        self.touch = Touch::new(contacts, |key| self.item_of(key), stored);
+    }
+
+    /// Where a face of the shapes is among the items; `None` where the shape is no hit.
+    fn item_of(&self, key: contact::Key) -> Option<FaceItem> {
+        let object = key.object as usize;
+        match (&self.scene.objects[object].geometry, self.detail) {
+            (scene::Geometry::Shape(shape), Detail::Exact) => {
+                let first = self.first_solid[object]?;
+                let pieces = matches!(shape, scene::Shape::Revolution { .. });
+                let (solid, part) = if pieces {
+                    (first + key.part, 0)
+                } else {
+                    (first, key.part)
+                };
+                Some(FaceItem::Solid { solid, part })
             }
-            false
-        });
-        found.sort_by(along_the_ray);
-        // Along a flat ray much is near: only what passes through the point itself touches.
-        let touches = |other: &Site<R>| {
-            let gap = (other.foot.point - foot.point).dot(other.foot.normal);
-            gap.abs() <= foot.bound() + other.foot.bound()
+            _ => {
+                let range = self.assembly.triangle_range.get(object)?;
+                Some(FaceItem::Triangle(range.start + key.part))
+            }
+        }
+    }
+
+    /// Which faces lie on each other.
+    #[inline]
+    pub(super) fn touch(&self) -> &Touch {
+        &self.touch
+    }
+
+    /// The set of the face that a hit is on.
+    #[inline]
+    pub(super) fn set_of(&self, hit: &Hit) -> u32 {
+        if self.touch.is_empty() {
+            NO_SET
+        } else if hit.item & SOLID == 0 {
+            self.touch.of_triangle(hit.item)
+        } else {
+            let part = self.solid(hit.item).part(hit.feature);
+            self.touch.of_solid(hit.item & !SOLID, part)
+        }
+    }
+
+    /// A face in a plane.
+    pub(super) fn is_flat(&self, hit: &Hit) -> bool {
+        hit.item & SOLID == 0 || self.solid(hit.item).is_flat(hit.feature)
+    }
+
+    /// Item and part of a face in a plane.
+    pub(super) fn face(&self, hit: &Hit) -> (u32, u32) {
+        if hit.item & SOLID == 0 {
+            return (hit.item, 0);
+        }
+        let part = self.solid(hit.item).part(hit.feature);
+        (hit.item, part as u32)
+    }
+
+    /// The faces whose planes hold a point, as [`Self::face`] tells them: decided from the shapes.
+    pub(super) fn planes_through(&self, point: DVec3) -> Vec<(u32, u32)> {
+        let keys = contact::planes_through(self.scene, self.detail, point);
+        let face = |key| match self.item_of(key)? {
+            FaceItem::Solid { solid, part } => Some((SOLID | solid, part)),
+            FaceItem::Triangle(triangle) => Some((triangle, 0)),
         };
-        found
-            .iter()
-            .map(|other| self.site(ray, other, None))
-            .filter(touches)
-            .collect()
+        let mut faces: Vec<_> = keys.into_iter().filter_map(face).collect();
+        faces.sort_unstable();
+        faces
     }
 
     /// The nearest hit found by testing every primitive: what the hierarchy is held to.
@@ -197,7 +264,8 @@ impl<'a, R: Real> Surfaces<'a, R> {
         let shear = Shear::new(ray.origin, ray.direction)?;
         let mut best = None;
         let mut keep = |hit: Hit| {
-            if in_range(ray, &hit) && wins(&hit, &best) {
+            let left = ray.set != NO_SET && self.set_of(&hit) == ray.set;
+            if !left && in_range(ray, &hit) && wins(&hit, &best) {
                 best = Some(hit);
             }
         };
@@ -227,6 +295,10 @@ impl<'a, R: Real> Surfaces<'a, R> {
     ) -> bool {
         let Some(shear) = Shear::new(ray.origin, ray.direction) else {
             return false;
+        };
+        let mut visit = |hit: Hit, t_max: &mut f64| {
+            let left = ray.set != NO_SET && self.set_of(&hit) == ray.set;
+            !left && visit(hit, t_max)
         };
         self.bvh.traverse(ray, walker, |slot, t_max, walker| {
             if let Some((instance, shared)) = self.instance(self.items[slot]) {
@@ -439,6 +511,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             material: self.solid_material(solid, tile),
             back: hit.back != self.front_is_clockwise(),
             skip: [skip_if(solid.is_convex()), skip_if(solid.is_planar())],
+            set: self.sets_left(hit, solid.is_convex()),
         }
     }
 
@@ -492,6 +565,7 @@ impl<'a, R: Real> Surfaces<'a, R> {
             material: a.material[hit.item as usize],
             back: hit.back != self.front_is_clockwise(),
             skip: [hit.item; 2],
+            set: self.sets_left(hit, false),
         }
     }
 }
@@ -524,12 +598,12 @@ fn gather<R>(
     (items, solids)
 }
 
-fn in_range(ray: &Ray, hit: &Hit) -> bool {
+pub(super) fn in_range(ray: &Ray, hit: &Hit) -> bool {
     hit.t >= ray.t_min && hit.t <= ray.t_max
 }
 
 /// Order of hits along a ray; of those at one place, that of their numbers.
-fn along_the_ray(a: &Hit, b: &Hit) -> std::cmp::Ordering {
+pub(super) fn along_the_ray(a: &Hit, b: &Hit) -> std::cmp::Ordering {
     let by_number = (a.primitive, a.feature).cmp(&(b.primitive, b.feature));
     a.t.total_cmp(&b.t).then(by_number)
 }

@@ -5,6 +5,7 @@
 //! reflection before refraction), so a pixel's sums run breadth first whatever the size of tile or wave. There is no
 //! recursion; a wave that grows too long is cut between pixels and the pieces are finished one by one.
 
+mod meet;
 mod primary;
 mod secondary;
 mod shading;
@@ -15,7 +16,7 @@ use super::exact::unit;
 use super::faults::Normals;
 use super::inside::Inside;
 use super::media::{AIR, Media};
-use super::ray::Ray;
+use super::ray::{Hit, Ray};
 use super::record::Record;
 use super::sums::{Keep, Mean, Sums};
 use super::surface::Site;
@@ -70,8 +71,10 @@ pub(super) struct Tile<'p, 'a, R> {
     batches: Batches<R>,
     counters: Counters,
     sums: Sums<R>,
-    /// Of the wave at hand: a ray's number, and a surface that touches the one it met, in order.
-    touching: Vec<(u32, Site<R>)>,
+    /// Of the wave at hand: what rays pass with what they met, in order.
+    passed: Vec<Passed>,
+    /// Of the sample at hand: opaque hits that end rays behind what touches them, and how much their error bounds grow.
+    ends: Vec<(Hit, f64)>,
     /// Primary rays of the sample at hand, eye space.
     eye_rays: Vec<(DVec3, DVec3)>,
     /// A ray of the caller's in place of the primary rays, and the solids that it may start in.
@@ -79,6 +82,28 @@ pub(super) struct Tile<'p, 'a, R> {
     /// Who listens, if anybody does: then the tile is one pixel.
     record: Option<Box<Record<R>>>,
     out: TileFrame<R>,
+}
+
+/// What a ray passes at the place of the hit that is seen.
+#[derive(Clone, Copy, Debug)]
+enum Passed {
+    /// A clear surface; one inside a solid of a higher priority takes no light.
+    Clear {
+        tag: u32,
+        object: u32,
+        material: u32,
+        unseen: bool,
+    },
+    /// An opaque one, by its number in `ends`: the ray ends there.
+    Opaque { tag: u32, end: u32 },
+}
+
+impl Passed {
+    fn tag(&self) -> u32 {
+        match self {
+            Self::Clear { tag, .. } | Self::Opaque { tag, .. } => *tag,
+        }
+    }
 }
 
 /// Traces one tile.
@@ -154,7 +179,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             batches: Batches::new(plan.scene.materials.len()).rounding(plan.rounded),
             counters: Counters::default(),
             sums: Sums::new(pixels, index, keep, signed),
-            touching: Vec::new(),
+            passed: Vec::new(),
+            ends: Vec::new(),
             eye_rays: Vec::new(),
             start: None,
             record: None,
@@ -194,11 +220,12 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     /// Traces one sample of every pixel into `sums`.
     fn sample(&mut self, index: u32) -> Result<(), Error> {
         self.sums.clear();
+        self.ends.clear();
         let paths = self.primary_paths(index);
         self.counters.rays.primary += paths.len() as u64;
         let mut waves = vec![(0, paths)];
         while let Some((generation, paths)) = waves.pop() {
-            let next = self.wave(generation, index, &paths)?;
+            let next = self.wave(generation, index, paths)?;
             for piece in cut_between_pixels(next).into_iter().rev() {
                 waves.push((generation + 1, piece));
             }
@@ -207,14 +234,20 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     }
 
     /// One generation: hits, shading, sums; returns the rays of the next one.
-    fn wave(&mut self, generation: u32, index: u32, paths: &[Path]) -> Result<Vec<Path>, Error> {
+    fn wave(
+        &mut self,
+        generation: u32,
+        index: u32,
+        mut paths: Vec<Path>,
+    ) -> Result<Vec<Path>, Error> {
         self.batches.clear();
-        self.touching.clear();
+        self.passed.clear();
         let mut sites = Vec::with_capacity(paths.len());
-        for (i, path) in paths.iter().enumerate() {
+        for (i, path) in paths.iter_mut().enumerate() {
             let site = self.meet(i as u32, path, index);
             sites.push(site);
         }
+        let paths = &paths[..];
         if let Some(record) = &mut self.record {
             record.wave(paths, &sites, &self.media);
         }
@@ -236,18 +269,13 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         Ok(next)
     }
 
-    /// Follows one ray to its hit and enters that for shading.
-    fn meet(&mut self, tag: u32, path: &Path, index: u32) -> Option<Site<R>> {
+    /// Follows one ray to its hit and enters that for shading. On the way the ray may enter solids whose surfaces are not there.
+    fn meet(&mut self, tag: u32, path: &mut Path, index: u32) -> Option<Site<R>> {
+        let (hit, mut site) = self.find(tag, path)?;
+        self.counters.normalizations += u64::from(self.wants_normals());
         let surfaces = &self.plan.surfaces;
         let faults = &self.plan.faults;
-        let hit = faults.closest_hit(surfaces, &path.ray, &mut self.walker)?;
         let primary = path.branch == Branch::Primary;
-        let eye_ray = self.eye_rays.get(path.pixel as usize).copied();
-        let eye_ray = eye_ray.filter(|_| primary);
-        // Without shading and without secondary rays nothing asks for the shading normal.
-        let normal = self.plan.needs.has(Feature::Normal) || self.wanted().contains(&true);
-        let mut site = surfaces.site_with(&path.ray, &hit, eye_ray, normal);
-        self.counters.normalizations += u64::from(normal);
         let bent = (faults.normals != Normals::Right)
             .then(|| faults.bend_normal(surfaces, &hit, &mut site, &self.rotation));
         if primary && index == 0 {
@@ -256,7 +284,6 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             self.out.primitive[pixel] = hit.primitive;
             self.out.object[pixel] = site.object;
         }
-        let site = self.settle(tag, path, &hit, site);
         let surface = self.enter(tag, path, &site);
         if let Some(length) = bent {
             let points = &mut self.batches.batch(surface).points;

@@ -76,6 +76,7 @@ fn sphere(material: usize) -> Object {
         materials: vec![material],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     }
 }
 

@@ -68,6 +68,7 @@ fn object(geometry: Geometry, material: usize, world_from_object: DAffine3) -> O
         materials: vec![material],
         world_from_object,
         tessellation: None,
+        priority: 0,
     }
 }
 

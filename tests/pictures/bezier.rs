@@ -33,6 +33,7 @@ fn scene_of(shapes: &[(Shape, DAffine3)]) -> Scene {
             materials: vec![0],
             world_from_object: *place,
             tessellation: None,
+            priority: 0,
         });
     }
     scene

@@ -68,6 +68,7 @@ fn pane(scene: &mut Scene, columns: [f64; 2], z: f64, emission: [f64; 3], transm
         materials: vec![scene.materials.len() - 1],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
 }
 

@@ -100,6 +100,7 @@ fn scene_of(geometry: Form, places: &[DAffine3]) -> Scene {
             materials: vec![0],
             world_from_object: *place,
             tessellation: None,
+            priority: 0,
         })
         .collect();
     scene

@@ -487,6 +487,7 @@ fn add(scene: &mut Scene, geometry: Form, materials: &[usize]) {
         materials: materials.to_vec(),
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
 }
 

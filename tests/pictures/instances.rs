@@ -115,6 +115,7 @@ fn scene_of(mesh: &Mesh, places: &[DAffine3], shared: bool) -> Scene {
             materials: vec![0],
             world_from_object: *place,
             tessellation: None,
+            priority: 0,
         });
     }
     scene

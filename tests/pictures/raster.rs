@@ -102,6 +102,7 @@ fn add(scene: &mut Scene, geometry: Geometry) {
         materials: vec![scene.materials.len() - 1],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
 }
 

@@ -48,6 +48,7 @@ fn scene_of(shape: &Shape, place: DAffine3) -> Scene {
         optics: Optics::default(),
     });
     scene.objects.push(Object {
+        priority: 0,
         name: "o".into(),
         geometry: Form::Shape(shape.clone()),
         materials: vec![0],

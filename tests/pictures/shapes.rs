@@ -180,6 +180,7 @@ fn scene_of(shapes: &[(Shape, DAffine3)]) -> Scene {
     });
     for (i, (shape, place)) in shapes.iter().enumerate() {
         scene.objects.push(Object {
+            priority: 0,
             name: format!("o{i}"),
             geometry: Form::Shape(shape.clone()),
             materials: vec![0],

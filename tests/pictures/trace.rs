@@ -76,6 +76,7 @@ fn add(scene: &mut Scene, shape: Shape, materials: &[usize]) -> usize {
         materials: materials.to_vec(),
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
     scene.objects.len() - 1
 }
@@ -87,6 +88,7 @@ fn add_mesh(scene: &mut Scene, mesh: Mesh, material: usize) {
         materials: vec![material],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
 }
 

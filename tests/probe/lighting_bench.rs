@@ -119,6 +119,7 @@ fn scene(changes: &[Change]) -> Scene {
         materials: vec![0],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
     let (name, space, enabled) = ("l".into(), LightSpace::Eye, true);
     scene.lights.push(Light {

@@ -241,6 +241,7 @@ fn add(scene: &mut Scene, geometry: Form) {
         materials: vec![0],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
 }
 

@@ -96,6 +96,7 @@ fn sample_scene(projection: Projection) -> Scene {
             materials: vec![0],
             world_from_object: DAffine3::IDENTITY,
             tessellation: Some(12),
+            priority: 0,
         });
     }
     scene

@@ -48,6 +48,7 @@ fn one(shape: Shape, material: gl::Material, optics: Optics, size: u32, height: 
         materials: vec![0],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
     scene
 }

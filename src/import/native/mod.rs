@@ -7,6 +7,7 @@
 
 mod bezier;
 mod colors;
+mod doubts;
 mod lights;
 mod materials;
 mod mesh;
@@ -79,6 +80,7 @@ pub(crate) fn read(document: &Document, home: &Home, contents: Contents) -> Resu
     reader.track_colors();
     let fitted = reader.camera(top.get("camera"))?;
     reader.closing_notes();
+    reader.doubts();
     Ok(Read {
         scene: reader.scene,
         notes: reader.notes,

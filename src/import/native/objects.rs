@@ -38,6 +38,7 @@ impl<'a> Reader<'a> {
         let mut materials = self.stated_materials(&section)?;
         let mut world_from_object = self.transform(&section)?;
         let mut tessellation = None;
+        let mut priority = section.signed("priority")?;
         let geometry = match form {
             Form::Shape(_) => {
                 tessellation = section.integer("tessellation")?;
@@ -53,6 +54,7 @@ impl<'a> Reader<'a> {
                 let original = self.scene.objects[self.original(&key.name, node)?].clone();
                 world_from_object = placed(&section, &world_from_object, &original)?;
                 tessellation = original.tessellation;
+                priority = priority.or(Some(original.priority));
                 materials = materials.or(Some(original.materials));
                 if let Geometry::Shape(shape) = &original.geometry {
                     self.count_triangles(&section, shape, tessellation)?;
@@ -73,6 +75,7 @@ impl<'a> Reader<'a> {
             materials,
             world_from_object,
             tessellation,
+            priority: priority.unwrap_or(0),
         });
         Ok(())
     }

@@ -91,8 +91,8 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 }
 
 fn matrix(step: &Section<'_>, node: &Node) -> Result<DAffine3, Error> {
-    let expected = "16 numbers, row by row";
-    let m: [f64; 16] = step.array("matrix", node, expected)?;
+    let expected = "four rows of four numbers, or 16 numbers row by row";
+    let m: [f64; 16] = step.rows("matrix", node, expected)?;
     if m[12..] != [0.0, 0.0, 0.0, 1.0] {
         let message = "expected the last row 0, 0, 0, 1 (no projection)";
         return Err(step

@@ -341,6 +341,7 @@ pub(crate) fn contents(
         materials: part.materials,
         world_from_object: crate::math::DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
     let contents = Contents {
         objects: objects.collect(),

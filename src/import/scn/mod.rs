@@ -345,6 +345,7 @@ impl<'h> Reader<'h> {
             materials: vec![material],
             world_from_object: group.map_or(DAffine3::IDENTITY, |g| g.world_from_group),
             tessellation: None,
+            priority: 0,
         });
         Ok(())
     }

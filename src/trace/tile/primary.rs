@@ -4,9 +4,9 @@ use super::Tile;
 use crate::lanes::Real;
 use crate::math::DVec2;
 use crate::sampling;
-use crate::trace::branch::{Branch, Path};
+use crate::trace::branch::{Branch, NO_END, Path};
 use crate::trace::media::{AIR, MediaId};
-use crate::trace::ray::{NO_ITEM, Ray};
+use crate::trace::ray::{NO_ITEM, NO_SET, Ray};
 
 impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
     pub(super) fn primary_paths(&mut self, index: u32) -> Vec<Path> {
@@ -18,6 +18,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 weight: [1.0; 3],
                 pixel: 0,
                 branch: Branch::Primary,
+                end: NO_END,
             }];
         }
         let image = &self.plan.scene.image;
@@ -35,6 +36,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 t_min,
                 t_max,
                 skip: NO_ITEM,
+                set: NO_SET,
             };
             paths.push(Path {
                 media: self.first_media(&ray),
@@ -42,6 +44,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
                 weight: [1.0; 3],
                 pixel,
                 branch: Branch::Primary,
+                end: NO_END,
             });
         }
         paths
@@ -58,7 +61,7 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             .start
             .as_ref()
             .map_or(&plan.inside, |(_, inside)| inside);
-        inside.media(ray, &plan.surfaces, walker, media)
+        inside.media(ray, &plan.surfaces, &plan.order, walker, media)
     }
 
     /// Where a sample of a pixel of the tile lies in the pixel frame.

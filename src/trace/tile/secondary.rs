@@ -1,14 +1,12 @@
-//! From hits to the rays of the next wave: surfaces that touch, and what each hit reflects and transmits.
+//! From hits to the rays of the next wave: what each hit reflects and transmits.
 
-use super::Tile;
+use super::{Passed, Tile};
 use crate::error::Error;
 use crate::lanes::Real;
 use crate::math::DVec3;
 use crate::scene::requirements::Feature;
 use crate::trace::MAX_RAYS;
-use crate::trace::branch::{Fork, Path};
-use crate::trace::faults::Normals;
-use crate::trace::ray::Hit;
+use crate::trace::branch::{Fork, NO_END, Path};
 use crate::trace::surface::Site;
 use crate::trace::touch::Touching;
 
@@ -34,12 +32,15 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         if !optics.is_mirror() && !optics.is_transmissive() {
             return Ok(());
         }
-        let touching = self.touching_of(tag);
+        let (touching, end) = self.passed_by(tag);
         let fork = Fork {
             path,
             touching: &touching,
+            end,
+            order: &self.plan.order,
             foot: &site.foot,
             skip: site.skip,
+            set: site.set,
             normal_world: self.rotation.transpose() * DVec3::from_array(site.normal_eye),
             object: site.object,
             optics,
@@ -69,39 +70,26 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
         Ok(())
     }
 
-    /// What a ray meets where surfaces touch (`touch`): the opaque one that the solid it is in stands on, else the one it met;
-    /// then those that it passes with it are kept for [`Self::fork`].
-    pub(super) fn settle(&mut self, tag: u32, path: &Path, hit: &Hit, site: Site<R>) -> Site<R> {
-        let materials = &self.plan.scene.materials;
-        let clear = |site: &Site<R>| materials[site.material as usize].optics.is_transmissive();
-        // Normals that `check` bends are those of the surface met.
-        let bent = self.plan.faults.normals != Normals::Right;
-        if bent || !self.wanted()[1] || !clear(&site) {
-            return site;
+    /// What a ray passes with the surface that it met: clear surfaces, and the opaque hit that ends it.
+    fn passed_by(&self, tag: u32) -> (Vec<Touching<'p>>, u32) {
+        let first = self.passed.partition_point(|p| p.tag() < tag);
+        let of_tag = self.passed[first..].iter().take_while(|p| p.tag() == tag);
+        let (mut touching, mut stop) = (Vec::new(), NO_END);
+        for passed in of_tag {
+            match *passed {
+                Passed::Opaque { end, .. } => stop = end,
+                Passed::Clear {
+                    object,
+                    material,
+                    unseen,
+                    ..
+                } => touching.push(Touching {
+                    object,
+                    unseen,
+                    optics: &self.plan.scene.materials[material as usize].optics,
+                }),
+            }
         }
-        let surfaces = &self.plan.surfaces;
-        let others = surfaces.touching(&path.ray, hit, &site.foot, &mut self.walker);
-        let passed = others.iter().take_while(|other| clear(other)).count();
-        if passed < others.len() && self.media.hold(path.media, site.object) {
-            return others[passed];
-        }
-        let kept = others[..passed].iter().map(|other| (tag, *other));
-        self.touching.extend(kept);
-        site
-    }
-
-    /// What a ray passes with the surface that it met.
-    fn touching_of(&self, tag: u32) -> Vec<Touching<'p>> {
-        let first = self.touching.partition_point(|(t, _)| *t < tag);
-        let of_tag = self.touching[first..].iter().take_while(|(t, _)| *t == tag);
-        let plan = self.plan;
-        of_tag
-            .map(|(_, site)| Touching {
-                object: site.object,
-                optics: &plan.scene.materials[site.material as usize].optics,
-                foot: site.foot,
-                skip: site.skip,
-            })
-            .collect()
+        (touching, stop)
     }
 }

@@ -92,6 +92,8 @@ impl<'p, 'a, R: Real> Tile<'p, 'a, R> {
             surfaces: &plan.surfaces,
             scene: plan.scene,
             lamps: &plan.lamps,
+            lamp_planes: &plan.lamp_planes,
+            order: &plan.order,
             sources: &plan.sources,
             material: white.as_ref().unwrap_or(material),
             faults: &plan.faults,

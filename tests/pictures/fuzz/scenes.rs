@@ -465,6 +465,7 @@ pub(crate) fn scene() -> impl Strategy<Value = Scene> {
                     materials: vec![first % count, (first + 1) % count],
                     world_from_object: place,
                     tessellation: None,
+                    priority: 0,
                 });
             }
             (scene.materials, scene.lights) = (materials, lights);

@@ -100,6 +100,7 @@ fn terms_that_follow_vertex_colours_are_needed_whatever_the_material_says() {
         materials: vec![0],
         world_from_object: DAffine3::IDENTITY,
         tessellation: None,
+        priority: 0,
     });
     let features = |scene: &Scene| -> Vec<&str> {
         let needs = Requirements::of(scene, Mode::Raster);

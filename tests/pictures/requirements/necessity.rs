@@ -53,6 +53,7 @@ fn object(name: &str, shape: Shape, material: usize, place: DAffine3) -> Object 
         materials: vec![material],
         world_from_object: place,
         tessellation: None,
+        priority: 0,
     }
 }
 

@@ -13,6 +13,7 @@
 //! map; [`LANDING`] is 64 times 2^-53 of the distance, where formulas are well-conditioned, and a test says by how much more
 //! they amplify where they are not. In f32 colours, lights and meshes' vertices are f32; rays are not.
 
+mod contacts;
 mod edges;
 mod glass;
 mod media;

@@ -1,6 +1,7 @@
 //! Importers: shipped scenes, error messages with their places, OBJ features, overrides.
 
 mod broken;
+mod doubts;
 mod include;
 mod lines;
 mod mesh;
