@@ -311,11 +311,6 @@ impl<'a> Tracer<'a> {
     pub fn anatomy(&self, light: usize, point: &Points<f64>) -> Anatomy<f64> {
         each!(self, plan => anatomy(plan, light, point))
     }
-
-    /// How long the hierarchy took to build, in seconds.
-    pub fn build_seconds(&self) -> f64 {
-        each!(self, plan => plan.build_seconds())
-    }
 }
 
 fn meets<R: Real>(plan: &trace::Plan<'_, R>, ray: &Ray) -> Option<Meets> {
